@@ -19,10 +19,10 @@ AS_SET = ("panel", "As Set", "The descriptors and settings of the panel")
 
 
 class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
-    """Compute the chosen descriptors at every vertex of the selected meshes, as attributes and colors"""
+    """Measure the selected meshes at every vertex, and show the mask as vertex colors"""
 
     bl_idname = "paradesc.bake"
-    bl_label = "Bake Descriptors"
+    bl_label = "Bake Mask"
     bl_options = {"REGISTER", "UNDO"}
 
     mask: bpy.props.EnumProperty(
@@ -72,7 +72,7 @@ def keep_for_undo(context: bpy.types.Context) -> None:
     """Adds a step of undo in brush modes, because their own steps hold strokes, not the attributes of a mesh."""
     active = context.active_object
     if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
-        bpy.ops.ed.undo_push(message="Before Bake Descriptors")
+        bpy.ops.ed.undo_push(message="Before Bake Mask")
 
 
 def bake_sentence(batch: Batch) -> str:
