@@ -6,7 +6,7 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
-from ..core import choices, spaces
+from ..core import advice, choices, spaces
 from ..scene import mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
@@ -68,12 +68,13 @@ def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings:
 
 
 def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws how far to look around, and which mesh is measured."""
+    """Draws how far to look around, by sizes that fit the mesh or by number, and which mesh is measured."""
+    sizes = layout.row(align=True)
+    for size in advice.SIZES:
+        sizes.prop_enum(settings, "radius_fit", size)
     column = layout.column()
     in_two_columns(column)
-    row = column.row(align=True)
-    setting(row, settings, choices.radius_member(settings))
-    row.operator("paradesc.fit_radius", text="", icon="FULLSCREEN_EXIT")
+    setting(column, settings, choices.radius_member(settings))
     setting(column, context.scene.paradesc_animation, "source")
 
 

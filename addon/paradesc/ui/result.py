@@ -3,12 +3,17 @@
 import bpy
 
 from .. import bridge
+from ..bake.fit import PANEL
+from ..core import advice
 from ..scene import viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
 from .drawing import descriptor_words, sentence_lines
 from .report_panel import stored_report
+
+# More of the area than this share is nearly all of it.
+NEARLY_ALL = 0.8
 
 
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -19,6 +24,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     mesh = context.active_object.data
     column = layout.column(align=True)
     sentence_lines(context, column, result_sentence(stored))
+    name = recolor.shown_name(mesh)
     if recolor.baked_names(mesh):
         row = column.row(align=True)
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
@@ -28,10 +34,47 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
             row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
         elif viewports.can_restore(context):
             row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
+    if name and not recolor.is_direction(name):
+        draw_levels(context, layout)
+        draw_extremes(context, layout, stored, name)
+    column = layout.column(align=True)
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
-    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0):
-        column.operator("paradesc.fit_radius", text="Fit Radius to Mesh")
+    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0) and stored["warnings"]:
+        column.operator("paradesc.bake", text="Bake with Fitted Radius").fit = "medium"
+
+
+def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws what changes the colors at once, with the names within the fields."""
+    looks, column = context.scene.paradesc_looks, layout.column(align=True)
+    column.prop(looks, "contrast", slider=True)
+    column.prop(looks, "brightness", slider=True)
+    row = column.row(align=True)
+    row.prop(looks, "invert", toggle=True)
+    if len(recolor.baked_targets(context)) > 1:
+        row.prop(looks, "same_scale", toggle=True)
+
+
+def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored: dict[str, dict], name: str) -> None:
+    """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius."""
+    drawn = stored["drawn"].get(name, {})
+    sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
+    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > NEARLY_ALL), "")
+    diagonal = stored["mesh_report"].get("diagonal", 0.0)
+    if not (sentence and diagonal > 0):
+        return
+    column = layout.column(align=True)
+    sentence_lines(context, column, sentence, "INFO")
+    row = column.row(align=True)
+    percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
+    sizes = [*advice.SIZES]
+    for text, step, factor in (("Finer", -1, 0.5), ("Broader", 1, 2.0)):
+        asked = row.operator("paradesc.bake", text=text)
+        asked.mask = next((one for one in presets.MASKS if presets.PRESETS[one].members["descriptors"] == {name}), PANEL[0])
+        if size in sizes and 0 <= sizes.index(size) + step < len(sizes):
+            asked.fit = sizes[sizes.index(size) + step]
+        else:
+            asked.radius = factor * percent
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
