@@ -55,12 +55,12 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
 
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws one button for each mask, the chosen one pressed; whatever else is chosen under Analysis has a line."""
-    chosen = presets.chosen_mask(settings)
+    """Draws one button for each mask, the chosen ones pressed; whatever else is chosen under Analysis has a line."""
+    chosen = presets.chosen_masks(settings)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
         text, icon = presets.PRESETS[name].label, MASK_ICONS[name]
-        grid.operator("paradesc.mask", text=text, icon=icon, depress=name == chosen).name = name
+        grid.operator("paradesc.mask", text=text, icon=icon, depress=name in chosen).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
         count = label("{count} descriptors, under Analysis").format(count=len(labels))
@@ -92,7 +92,7 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws the buttons that bake, and the switch of live values beside the first."""
-    text = button_text(len(targets.by_mesh(targets.chosen(context))), presets.chosen_mask(settings))
+    text = button_text(len(targets.by_mesh(targets.chosen(context))), presets.chosen_masks(settings))
     active = context.active_object
     row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
     row.scale_y = 1.4
@@ -164,11 +164,13 @@ def is_mesh(target: bpy.types.Object | None) -> bool:
     return target is not None and target.type == "MESH"
 
 
-def button_text(count: int, mask: str = "") -> str:
-    """The text of the button for so many meshes, or for one and a mask if one is chosen."""
+def button_text(count: int, masks: list[str] = ()) -> str:
+    """The text of the button for so many meshes, or for one and the masks that are chosen."""
     if count > 1:
         return label("Bake {count} Meshes").format(count=count)
-    return label("Bake {what}").format(what=label(presets.PRESETS[mask].label if mask else "Descriptors"))
+    if len(masks) > 1:
+        return label("Bake Masks")
+    return label("Bake {what}").format(what=label(presets.PRESETS[masks[0]].label if masks else "Descriptors"))
 
 
 def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:

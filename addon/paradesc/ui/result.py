@@ -70,7 +70,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     sizes = [*advice.SIZES]
     for text, step, factor in (("Finer", -1, 0.5), ("Broader", 1, 2.0)):
         asked = row.operator("paradesc.bake", text=text)
-        asked.mask = next((one for one in presets.MASKS if presets.PRESETS[one].members["descriptors"] == {name}), PANEL[0])
+        asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
         if size in sizes and 0 <= sizes.index(size) + step < len(sizes):
             asked.fit = sizes[sizes.index(size) + step]
         else:
@@ -86,10 +86,10 @@ def result_sentence(stored: dict[str, dict]) -> str:
 
 
 def baked_words(names: list[str]) -> str:
-    """The mask that these descriptors are, or the only one of them, or how many there are."""
-    mask = next((one for one in presets.MASKS if presets.PRESETS[one].members["descriptors"] == set(names)), "")
-    if mask:
-        return label(presets.PRESETS[mask].label)
+    """The masks that these descriptors are, or the only one of them, or how many there are."""
+    masks = presets.masks_of(set(names))
+    if masks:
+        return ", ".join(label(presets.PRESETS[mask].label) for mask in masks)
     known = {row.name: row.label for row in bridge.descriptors()}
     if len(names) == 1:
         return label(known.get(names[0], names[0]))
