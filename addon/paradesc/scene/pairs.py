@@ -7,7 +7,6 @@ from mathutils import Vector
 from ..core import pair_names, transfer
 from . import mesh_io, targets
 
-
 Pairs = dict[bpy.types.Object, list[bpy.types.Object]]
 
 

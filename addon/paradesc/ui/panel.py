@@ -12,6 +12,7 @@ from ..settings import presets, research
 from ..settings.translation import label
 from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
+from .report_panel import stored_report
 from .result import draw_result
 
 # Of the row that the button has beside Live.
@@ -121,7 +122,8 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
             layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
     uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
     if uneven and settings.space == "object":
-        sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
+        if not stored_report(context.active_object):  # its warnings say so at length
+            sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
         layout.prop_enum(settings, "space", "world", text="Measure in World", icon="WORLD")
 
 

@@ -18,9 +18,9 @@ DEFECTS = (
 )
 # What a bake took: the member of the field report, and words for people.
 STAGES = (
-    ("seconds_prepare", "– mesh: {seconds_prepare:.2f} s"),
-    ("seconds_bake", "– bake: {seconds_bake:.2f} s"),
-    ("seconds_evaluate", "– evaluate: {seconds_evaluate:.2f} s"),
+    ("seconds_prepare", "– preparing: {seconds_prepare:.2f} s"),
+    ("seconds_bake", "– drawing buffers: {seconds_bake:.2f} s"),
+    ("seconds_evaluate", "– measuring: {seconds_evaluate:.2f} s"),
     ("memory_megabytes", "Memory: about {memory_megabytes:,.0f} MB"),
 )
 

@@ -5,15 +5,12 @@ import bpy
 from .. import bridge
 from ..bake.fit import PANEL
 from ..core import advice
-from ..scene import viewports
+from ..scene import mesh_io, viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
 from .drawing import descriptor_words, sentence_lines
 from .report_panel import stored_report
-
-# More of the area than this share is nearly all of it.
-NEARLY_ALL = 0.8
 
 
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -59,7 +56,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius."""
     drawn = stored["drawn"].get(name, {})
     sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
-    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > NEARLY_ALL), "")
+    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > mesh_io.DARKEST), "")
     diagonal = stored["mesh_report"].get("diagonal", 0.0)
     if not (sentence and diagonal > 0):
         return
@@ -67,14 +64,17 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     sentence_lines(context, column, sentence, "INFO")
     row = column.row(align=True)
     percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
-    sizes = [*advice.SIZES]
-    for text, step, factor in (("Finer", -1, 0.5), ("Broader", 1, 2.0)):
+    for text, step in (("Finer", -1), ("Broader", 1)):
         asked = row.operator("paradesc.bake", text=text)
         asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
-        if size in sizes and 0 <= sizes.index(size) + step < len(sizes):
-            asked.fit = sizes[sizes.index(size) + step]
-        else:
-            asked.radius = factor * percent
+        asked.fit, asked.radius = next_radius(size, percent, step)
+
+
+def next_radius(size: str, percent: float, step: int) -> tuple[str, float]:
+    """The next smaller (step: -1) or larger size (1) and 0, or none and half or twice the percent of the diagonal."""
+    sizes = [*advice.SIZES]
+    place = sizes.index(size) + step if size in sizes else -1
+    return (sizes[place], 0.0) if 0 <= place < len(sizes) else (PANEL[0], percent * 2.0**step)
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
