@@ -40,6 +40,7 @@ MODULES = (
     "settings.animation",
     "settings.migrations",
     "settings.presets",
+    "scene.viewports",
     "bake.operators",
     "bake.fit",
     "bake.image_operator",

@@ -16,7 +16,8 @@ from bpy.app.handlers import persistent
 
 from ..bridge import ParadescError
 from ..core import contexts
-from ..settings import looks
+from ..scene import viewports
+from ..settings import hooks, looks
 from ..settings.snapshot import identity
 from . import live, painting, pausing, playback, unkeyed
 
@@ -270,6 +271,10 @@ def mode_changed(target: bpy.types.Object) -> None:
         return
     target.paradesc_live.sentence = ""
     refresh_window([target])
+    session = session_at(target)
+    if session is not None and target.paradesc_live.mode != "OFF":
+        session.painter.reveal(target.data)
+        viewports.reveal(bpy.context)
 
 
 def shared_sentence(other: bpy.types.Object) -> str:
@@ -415,29 +420,17 @@ classes = ()
 
 def register() -> None:
     """Adds each handler to Blender, once."""
-    for name, function in HANDLERS.items():
-        hooks = getattr(bpy.app.handlers, name)
-        for hook in [hook for hook in hooks if is_same(hook, function)]:
-            hooks.remove(hook)
-        hooks.append(function)
+    hooks.hang(HANDLERS)
     if look_changed not in looks.LISTENERS:
         looks.LISTENERS.append(look_changed)
 
 
 def unregister() -> None:
     """Removes the handlers, and frees what they kept."""
-    for name, function in HANDLERS.items():
-        hooks = getattr(bpy.app.handlers, name)
-        if function in hooks:
-            hooks.remove(function)
+    hooks.take_down(HANDLERS)
     if look_changed in looks.LISTENERS:
         looks.LISTENERS.remove(look_changed)
     for function in (follow_edits, collect):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
     forget_all()
-
-
-def is_same(hook: object, function: object) -> bool:
-    """Whether this is our handler, even from an earlier import of the add-on."""
-    return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)

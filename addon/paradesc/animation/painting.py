@@ -44,16 +44,26 @@ class Painter:
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
-            self.at = mesh_io.places(mesh, values.shown, values.extras)
+            others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
             mesh_io.make_attributes(mesh, values.names(self.at))
             self.tables = {name: color_table(shown) for name, shown in ranges.items()}
             self.ranges = ranges
             leave_record(mesh, values, ranges, self.at)
+            if others and others != self.at:  # another mask was chosen
+                self.reveal(mesh)
         ownership.forget(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)
         return True
+
+    def reveal(self, mesh: bpy.types.Mesh) -> None:
+        """Makes colors that were written the active ones, unless others of them are."""
+        shown, colors = [f"{self.at[name]}_color" for name in self.ranges], mesh.color_attributes
+        active = colors.active_color
+        if shown and (active is None or active.name not in shown):
+            colors.active_color = colors.get(shown[0])
+            colors.render_color_index = colors.find(shown[0])
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the mesh still has all attributes that were written."""

@@ -191,7 +191,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):
-    """Set this viewport to solid shading with the colors of attributes"""
+    """Set this viewport to solid shading with the colors of attributes, in flat light"""
 
     bl_idname = "paradesc.view_colors"
     bl_label = "View Colors"
@@ -205,7 +205,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
         """Changes the shading of this viewport alone."""
         shading = context.space_data.shading
         shading.type = "SOLID"
-        viewports.show_attributes(context.screen, shading)
+        viewports.show_attributes(context.screen, shading, viewports.wanted(context))
         return {"FINISHED"}
 
 
