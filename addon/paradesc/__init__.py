@@ -58,6 +58,7 @@ MODULES = (
     "ui.looks_panel",
     "ui.menus",
     "show.overlay",
+    "animation.pausing",
     "animation.live_settings",
     "animation.operators",
     "ui.animation_panel",

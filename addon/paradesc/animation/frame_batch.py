@@ -16,7 +16,7 @@ from ..files import cache
 from ..scene import surface_maps, targets
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
-from . import frames, handlers, painting, pausing
+from . import frames, painting, pausing, sessions
 
 
 @dataclass
@@ -150,9 +150,9 @@ class FrameBatch(Pieces):
             return
         look = looks.scene_look(scene)
         if not look.ranges:
-            with handlers.our_turn(wait=True):
+            with sessions.our_turn(wait=True):
                 painting.hold_ranges(scene.paradesc_live, look, cache.ranges_over(places, look))
-        handlers.forget_ranges()
+        sessions.forget_ranges()
 
     @property
     def made(self) -> int:

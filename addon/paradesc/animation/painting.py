@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import arrays, mesh_io, ownership, record
+from ..scene import arrays, mesh_io, modes, ownership, record
 from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
@@ -40,7 +40,7 @@ class Painter:
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
-        complete = self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
+        complete = self.is_complete(mesh, values)
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
@@ -56,6 +56,10 @@ class Painter:
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)
         return True
+
+    def is_complete(self, mesh: bpy.types.Mesh, values: Values) -> bool:
+        """Whether the mesh has an attribute for each of the values."""
+        return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
 
     def reveal(self, mesh: bpy.types.Mesh) -> None:
         """Makes colors that were written the active ones, unless others of them are."""
@@ -87,6 +91,16 @@ class Painter:
             yield f"{self.at[name]}_color", colors(array, self.ranges[name], self.tables[name])
         for name, array in values.extras.items():
             yield self.at[name], np.ascontiguousarray(array, np.float32)
+
+
+def paint(
+    painter: Painter, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool
+) -> bool:
+    """Paints the object's mesh. Sculpt mode is left for a moment only where attributes are missing."""
+    if target.mode != "SCULPT" or painter.is_complete(target.data, values):
+        return painter.paint(target.data, values, ranges, fresh)
+    with modes.object_mode(target):
+        return painter.paint(target.data, values, ranges, fresh)
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:

@@ -17,7 +17,7 @@ from ..files import cache
 from ..scene import mesh_io, record
 from ..scene.mesh_io import refuse
 from ..settings import looks
-from . import cache_places, live, painting
+from . import cache_places, live, painting, surfaces
 
 # These values have no colors.
 EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
@@ -50,7 +50,7 @@ class Player:
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
         """Writes the values of the scene's frame to the object's mesh, at once; False if nothing had to change."""
-        if live.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
+        if surfaces.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
             return False
         self.scene_name = scene.name
         start = time.perf_counter()
@@ -65,7 +65,7 @@ class Player:
         if wanted != self.ranged:
             self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
-        changed = self.painter.paint(target.data, self.values(), ranges, fresh)
+        changed = painting.paint(self.painter, target, self.values(), ranges, fresh)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -113,6 +113,14 @@ class Player:
         changed = self.session.refresh(target, depsgraph, scene)
         self.seconds = self.session.seconds
         return changed
+
+    def has_settings(self, _scene: bpy.types.Scene) -> bool:
+        """True, because frames keep the settings by which they were baked."""
+        return True
+
+    def reveal(self, target: bpy.types.Object) -> None:
+        """Makes the colors of the values the active ones of the mesh."""
+        (self.painter if self.session is None or self.shown else self.session.painter).reveal(target.data)
 
     def forget_ranges(self) -> None:
         """Makes the ranges over all frames be read again."""

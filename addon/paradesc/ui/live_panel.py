@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..animation import handlers, live
+from ..animation import handlers, live, surfaces
 from ..settings import looks
 from ..settings.translation import label
 from .drawing import SidebarPanel, button, descriptor_words, in_two_columns, sentence_lines, setting, side_by_side
@@ -54,8 +54,9 @@ def live_sentence(target: bpy.types.Object) -> str:
     """What the panel has to say about this object, or ""."""
     if target.paradesc_live.sentence:
         return target.paradesc_live.sentence
-    if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
-        return "Values follow when this mode is left."
+    waiting = surfaces.waiting_sentence(target) if target.paradesc_live.mode != "OFF" else ""
+    if waiting:
+        return waiting
     other = handlers.holder_of(target) if target.paradesc_live.mode != "OFF" else None
     if other is not None:
         return handlers.shared_sentence(other)
