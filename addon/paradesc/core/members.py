@@ -30,6 +30,12 @@ RADIUS_UNITS = [
     ("absolute", "Length", "A length of the mesh before the object's scale, or of the scene where World is measured"),
     ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
 ]
+FITS = [
+    ("fine", "Fine", "The smallest detail that the mesh has"),
+    ("medium", "Medium", "What suits most masks: one and a half edges, or 0.5 % of a dense mesh"),
+    ("broad", "Broad", "Large forms"),
+    ("typed", "Typed", "The radius as it was typed"),
+]
 SPACES = [
     ("object", "Object", "The mesh as it is stored, before the object's scale"),
     (
@@ -207,6 +213,11 @@ def neighborhood_members() -> dict[str, Member]:
         "radius_unit": member(
             "choice", name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
         ),
+        "radius_fit": member(
+            "choice", name="Radius from Mesh",
+            description="Each bake fits the radius to the mesh and the mask; typing a radius keeps that one",
+            items=FITS, default="medium",
+        ),
         "more_radii": member(
             "text", name="More Radii",
             description="Further radii in the same unit, separated by commas, computed at once; with any, every "
@@ -380,6 +391,22 @@ def color_members() -> dict[str, Member]:
             "float", name="Maximum",
             description="The value at the upper end, in the descriptor's unit",
             default=1.0, precision=4,
+        ),
+        "contrast": member(
+            "float", name="Contrast", description="Steepens the mask about its middle; no bake is needed",
+            default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
+        ),
+        "brightness": member(
+            "float", name="Brightness", description="Lifts or lowers the middle of the mask; black and white stay",
+            default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
+        ),
+        "invert": member(
+            "bool", name="Invert", description="Exchange black and white", default=False
+        ),
+        "same_scale": member(
+            "bool", name="Same Scale",
+            description="Meshes that are selected together share one range, so that equal shades are equal values",
+            default=False,
         ),
         "use_neutral": member(
             "bool", name="Own Neutral Value",
