@@ -52,7 +52,7 @@ def mode_changed(target: bpy.types.Object) -> None:
     if target not in targets:
         return
     target.paradesc_live.sentence = ""
-    record.forget(target.data, live.REFERENCE)
+    record.forget(target.data, live.RADII)
     refresh_window([target])
     session = session_at(target)
     if session is not None and target.paradesc_live.mode != "OFF":

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..bake import sculpt_mask
 from ..bridge import MeshArrays, Options, ParadescError, ProgressFunction
-from ..core import color_maps
+from ..core import color_maps, job
 from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
@@ -25,9 +25,9 @@ from . import painting, surfaces
 
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
-# What radii are of, and the member of the mesh's record that keeps it of a mesh that modifiers make: machines of a farm
-# begin at other frames than the window did.
-MEASURES, REFERENCE = ("diagonal", "mean_edge"), "reference"
+# The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from: machines
+# of a farm begin at other frames than the window did.
+RADII = "live_radii"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class LiveRequest:
 
     arrays: MeshArrays  # of the undeformed mesh, or as modifiers made it at first
     vertices: np.ndarray | None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
-    reference: tuple[float, float] | None  # the diagonal and the mean edge that radii are of; None: those of the arrays
+    kept: dict[str, object]  # what RADII keeps; {}: radii follow from the arrays
     positions: np.ndarray  # (vertex_count, 3) float32
     corner_normals: np.ndarray | None  # (corner_count, 3) float32, where they are asked for
     settings: Settings
@@ -62,8 +62,8 @@ class Session:
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # as LiveRequest has them
         self.vertices: np.ndarray | None = None
-        self.reference: tuple[float, float] | None = None
-        self.measures: list[float] = []  # the newest values of MEASURES
+        self.kept: dict[str, object] = {}
+        self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
         self.done: LiveRequest | None = None  # what the results are of
         self.results: Results | None = None
@@ -159,6 +159,7 @@ class Session:
         start = time.perf_counter()
         look = looks.scene_look(scene)
         self.results.look = look
+        painting.follow_bake(scene.paradesc_live, look, target.data, self.asked_names())
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
         changed = painting.paint(self.painter, target, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
@@ -181,7 +182,7 @@ class Session:
             self.take_mesh(target, arrays, rendering if surface.generated else None)
         if target.mode == "SCULPT":
             settings = sculpt_mask.quick(settings, len(self.arrays.triangle_corners))
-        known = (self.arrays, self.vertices, self.reference)
+        known = (self.arrays, self.vertices, self.kept)
         return LiveRequest(*known, positions, normals, settings, is_quick(scene, rendering), chosen(scene, rendering))
 
     def follow_mesh(
@@ -209,8 +210,8 @@ class Session:
     def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
         """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
         self.vertices = None if rendering is None else surfaces.places_of(target, arrays, rendering)
-        kept = record.read(target.data).get(REFERENCE) if self.arrays is None and rendering is not None else None
-        self.reference = tuple(kept) if isinstance(kept, list) and len(kept) == 2 else None
+        begins = self.arrays is None and rendering is not None
+        self.kept = record.read(target.data).get(RADII, {}) if begins else {}
         self.arrays, self.rest = arrays, mesh_io.read_positions(target.data)
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
@@ -225,11 +226,7 @@ class Session:
         if new:
             self.prepared = None
             self.stream.settings = settings
-            report = self.stream.mesh_at(request.arrays).report()
-            if request.reference is not None:
-                report = dict(zip(MEASURES, request.reference, strict=True))
-            self.measures = [float(report[name]) for name in MEASURES]
-            self.stream.settings = at_fixed_radii(settings, report)
+            self.stream.settings = self.with_radii(request)
         results = self.stream.compute(request.positions, progress, request.corner_normals)
         if new and request.quick:
             options = with_fewer_texels(self.stream.settings.options, results.field_report["radius_in_texels"])
@@ -241,6 +238,20 @@ class Session:
             results = delivery.on_original(results, source_meshes.Reading(request.arrays, "", request.vertices))
         self.compute_seconds = time.perf_counter() - start
         return results
+
+    def with_radii(self, request: LiveRequest) -> Settings:
+        """The settings with radii that no pose changes: those that are kept, else those of a bake of the arrays."""
+        asked, options = request.settings, request.settings.options
+        words = repr((asked.radius_fit, options.radius_unit, options.radius, asked.more_radii, asked.descriptors))
+        radii = request.kept.get("radii") if request.kept.get("asked") == words else None
+        if isinstance(radii, list) and len(radii) == 1 + len(asked.more_radii):
+            own = replace(options, radius=radii[0], radius_unit="absolute")
+            found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=job.FITTED)
+        else:
+            report = self.stream.mesh_at(request.arrays).report()
+            found = at_fixed_radii(job.fitted(asked, request.arrays), report)
+        self.radii = {"asked": words, "radii": [float(radius) for radius in (found.options.radius, *found.more_radii)]}
+        return found
 
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
@@ -256,9 +267,8 @@ class Session:
     def found_range(self, name: str, look: Look) -> ValueRange:
         """The range of one descriptor in these results."""
         results, computed = self.results, self.computed_names()[name]
-        return color_maps.value_range(
-            results.values[computed], registry_row(computed), results.radius_of(computed), look
-        )
+        row, radius = registry_row(computed), results.radius_of(computed)
+        return color_maps.value_range(results.values[computed], row, radius, look, results.areas)
 
     def asked_names(self) -> list[str]:
         """The name of each value, after the radius that was asked for."""
@@ -274,7 +284,7 @@ class Session:
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
             results.extras,
-            {**record.facts_of(results), **({} if self.vertices is None else {REFERENCE: self.measures})},
+            {**record.facts_of(results), **({} if self.vertices is None else {RADII: self.radii})},
             lambda name, shown: record.drawing_of(shown, results, names[name]),
         )
 

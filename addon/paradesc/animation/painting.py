@@ -179,6 +179,17 @@ def locked_ranges(
     return ranges
 
 
+def follow_bake(group: bpy.types.PropertyGroup, look: Look, mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Takes the ranges of a bake that wrote these values since they were live, unless somebody has typed others."""
+    baked = ownership.fingerprints(mesh) if ownership.PROPERTY in mesh and not look.ranges else {}
+    at = {name: record.attribute_of(mesh, name) for name in names} if baked else {}
+    if not baked.keys() & at.values():
+        return
+    stored = record.read(mesh).get("ranges", {})
+    found = {name: stored[place] for name, place in at.items() if place in baked and place in stored}
+    hold_ranges(group, look, {name: ValueRange(low, high, False) for name, (low, high) in found.items()})
+
+
 def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
     """Forgets the stored ranges if they do not fit this look."""
     if not keeps_ranges(group, look):

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import bpy
 
-from ..core import legend
+from ..core import color_maps, legend
 from ..core.color_maps import AUTOMATIC, Look, ValueRange
 from ..core.corners import ATTRIBUTE
-from ..core.job import UNDEFINED_MASK
+from ..core.job import UNDEFINED_MASK, registry_row
 from ..files import cache
 from ..scene import mesh_io, record
 from ..scene.mesh_io import refuse
@@ -61,7 +61,7 @@ class Player:
         fresh = self.read(path, target)
         read = time.perf_counter()
         look = looks.scene_look(scene)
-        wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}))
+        wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}, levels=color_maps.Levels()))
         if wanted != self.ranged:
             self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
@@ -134,7 +134,8 @@ class Player:
 
     def found_range(self, name: str, look: Look) -> ValueRange:
         """The range of one descriptor over all frames, or the one that the look fixes."""
-        shown = replace(self.whole.get(name, ValueRange(0.0, 1.0, False)), map_name=look.color_map)
+        colors = {"map_name": color_maps.map_name(registry_row(name), look), "levels": look.levels}
+        shown = replace(self.whole.get(name, ValueRange(0.0, 1.0, False)), **colors)
         low, high = look.ranges.get("", (shown.minimum, shown.maximum))
         return replace(shown, minimum=low, maximum=high)
 

@@ -179,7 +179,7 @@ def on_look(scene: bpy.types.Scene) -> None:
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
-    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if item.mode != "EDIT"]
+    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
     shown = [(item.data, name) for item in found if (name := shown_name(item.data))]
     if scene.paradesc_looks.same_scale:
         look = color_maps.with_one_scale(look, together(shown))
@@ -187,6 +187,11 @@ def on_look(scene: bpy.types.Scene) -> None:
         if mesh.library is None:
             with suppress(ParadescError):  # what was painted over stays, as a click on Recolor says
                 recolor(mesh, name, look)
+
+
+def is_still(item: bpy.types.Object) -> bool:
+    """Whether nobody else writes the colors of its mesh now: live values follow by themselves."""
+    return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
