@@ -25,6 +25,8 @@ from . import painting, surfaces
 
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
+# Somebody sculpts on meshes of so many triangles with a radius of many edges, and has to wait for fitted normals.
+FINE = 100_000
 # The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from: machines
 # of a farm begin at other frames than the window did.
 RADII = "live_radii"
@@ -181,7 +183,7 @@ class Session:
         if arrays is not None:
             self.take_mesh(target, arrays, rendering if surface.generated else None)
         if target.mode == "SCULPT":
-            settings = sculpt_mask.quick(settings, len(self.arrays.triangle_corners))
+            settings = sculpt_mask.quick(settings, len(self.arrays.triangle_corners), FINE)
         known = (self.arrays, self.vertices, self.kept)
         return LiveRequest(*known, positions, normals, settings, is_quick(scene, rendering), chosen(scene, rendering))
 
@@ -268,7 +270,8 @@ class Session:
         """The range of one descriptor in these results."""
         results, computed = self.results, self.computed_names()[name]
         row, radius = registry_row(computed), results.radius_of(computed)
-        return color_maps.value_range(results.values[computed], row, radius, look, results.areas)
+        areas = None if look.fixed(row) else results.areas
+        return color_maps.value_range(results.values[computed], row, radius, look, areas)
 
     def asked_names(self) -> list[str]:
         """The name of each value, after the radius that was asked for."""

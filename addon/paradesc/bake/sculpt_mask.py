@@ -70,9 +70,9 @@ class MaskBatch(OneByOne):
         return [piece for piece in self.pieces if piece.results is not None]
 
 
-def quick(settings: job.Settings, triangles: int) -> job.Settings:
+def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
     """The settings, without what takes time and is not seen on a mesh of so many triangles."""
-    if triangles < FINE or settings.options.normals != "fitted":
+    if triangles < (fine or FINE) or settings.options.normals != "fitted":
         return settings
     return replace(settings, options=replace(settings.options, normals="max"))
 

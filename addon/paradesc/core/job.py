@@ -1,7 +1,9 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 import re
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -105,7 +107,7 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
-    areas: np.ndarray | None = None  # (vertex_count,) float64 of the surface around each vertex, if masks are among them
+    areas_of: Callable[[], np.ndarray] | None = None  # gives areas, if masks are among the values
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
     tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
@@ -126,6 +128,11 @@ class Results:
         own = self.transfer is None
         values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
+
+    @property
+    def areas(self) -> np.ndarray | None:
+        """(vertex_count,) float64 of the surface around each vertex: live values seldom need what takes so long."""
+        return None if self.areas_of is None else self.areas_of()
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -302,7 +309,7 @@ def run_on(
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
-        results.areas = advice.areas_of_vertices(arrays)
+        results.areas_of = partial(advice.areas_of_vertices, arrays)
     add_corners(results, arrays, progress)
     return results
 
