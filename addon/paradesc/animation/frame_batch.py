@@ -38,7 +38,7 @@ class FrameBatch(Pieces):
         self.wanted, self.beside = wanted, beside
         self.settings = properties.job_settings(scene.paradesc)
         job.check_descriptors(self.settings.descriptors)
-        self.options = (group.frame_source, group.relative_to_rest, group.overwrite)
+        self.options = (group.relative_to_rest, group.overwrite)
         self.material_maps = scene.paradesc.material_maps
         super().__init__(pieces_of(targets.chosen(context), root))
         self.next = 0  # which of the wanted frames
@@ -99,7 +99,8 @@ class FrameBatch(Pieces):
         if piece.failure:
             raise refuse(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
-        request = frames.FrameRequest(self.settings, piece.folder, *self.options, maps if maps.any else None)
+        source = frames.source_of(scene, target)
+        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
         baker = frames.FrameBaker(scene, target, request)
         self.baker, self.next = baker, 0
         self._open.callback(baker.close)

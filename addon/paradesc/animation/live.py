@@ -257,7 +257,8 @@ class Session:
 
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
-        self.painter.reveal(target.data)
+        if self.results is not None:
+            self.painter.reveal(target.data, self.values())
 
     def forget_ranges(self) -> None:
         """Does nothing, because a session keeps no ranges."""

@@ -50,7 +50,7 @@ class Painter:
             self.ranges = ranges
             leave_record(mesh, values, ranges, self.at)
             if others and others != self.at:  # another mask was chosen
-                self.reveal(mesh)
+                self.reveal(mesh, values)
         ownership.forget(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
@@ -61,13 +61,13 @@ class Painter:
         """Whether the mesh has an attribute for each of the values."""
         return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
 
-    def reveal(self, mesh: bpy.types.Mesh) -> None:
-        """Makes colors that were written the active ones, unless others of them are."""
-        shown, colors = [f"{self.at[name]}_color" for name in self.ranges], mesh.color_attributes
-        active = colors.active_color
-        if shown and (active is None or active.name not in shown):
-            colors.active_color = colors.get(shown[0])
-            colors.render_color_index = colors.find(shown[0])
+    def reveal(self, mesh: bpy.types.Mesh, values: Values) -> None:
+        """Makes colors that were written the active ones, unless others of them are: those that tell most."""
+        active = mesh.color_attributes.active_color
+        colors = {f"{self.at[name]}_color" for name in self.ranges}
+        if colors and (active is None or active.name not in colors):
+            seen = {name: mesh_io.extremes(mesh, values.shown[name], shown) for name, shown in self.ranges.items()}
+            mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the mesh still has all attributes that were written."""

@@ -120,7 +120,10 @@ class Player:
 
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
-        (self.painter if self.session is None or self.shown else self.session.painter).reveal(target.data)
+        if self.frame is not None and self.shown is not None:
+            self.painter.reveal(target.data, self.values())
+        elif self.session is not None:
+            self.session.reveal(target)
 
     def forget_ranges(self) -> None:
         """Makes the ranges over all frames be read again."""

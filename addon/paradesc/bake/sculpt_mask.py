@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import job
 from ..core.threads import Worker
-from ..scene import sculpt_masks, targets
+from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties, translation
 from .fit import RadiusOption
 from .modal import ModalJob
@@ -124,6 +124,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failures(batch)))
             return {"CANCELLED"}
+        viewports.yield_to_mask(context)
         report_all(self.report, batch, batch.written)
         results = batch.written[0].results
         done = {

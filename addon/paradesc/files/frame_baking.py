@@ -101,6 +101,7 @@ class Baker:
         self.base = self.read_base(self.needs_uvs)
         self.stream = Stream(self.base, settings)
         try:
+            settings = job.fitted(settings, self.base)
             self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
             self.method = METHODS[self.stream.backend]
         except BaseException:

@@ -104,6 +104,12 @@ def restore(screen: bpy.types.Screen) -> None:
         give_back(shading, former.get(number, {}))
 
 
+def yield_to_mask(context: bpy.types.Context) -> None:
+    """After sculpt mode's mask was written: what it darkens is not seen on the black of a bake, so the eye closes."""
+    if not bpy.app.background and preferences.shows_results() and can_restore(context):
+        restore(context.screen)
+
+
 # ---- Undo
 
 
