@@ -17,7 +17,7 @@ from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
-from ..files.frame_baking import at_fixed_radii
+from ..files.frame_baking import with_fixed_radii
 from ..scene import delivery, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
@@ -250,8 +250,7 @@ class Session:
             own = replace(options, radius=radii[0], radius_unit="absolute")
             found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=job.FITTED)
         else:
-            report = self.stream.mesh_at(request.arrays).report()
-            found = at_fixed_radii(job.fitted(asked, request.arrays), report)
+            found = with_fixed_radii(self.stream, request.arrays, asked)
         self.radii = {"asked": words, "radii": [float(radius) for radius in (found.options.radius, *found.more_radii)]}
         return found
 

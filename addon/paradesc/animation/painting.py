@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import arrays, mesh_io, modes, ownership, record
+from ..scene import arrays, carrying, mesh_io, modes, ownership, record
 from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
@@ -52,6 +52,7 @@ class Painter:
             if others and others != self.at:  # another mask was chosen
                 self.reveal(mesh, values)
         ownership.forget(mesh, values.names(self.at))
+        carrying.release(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)

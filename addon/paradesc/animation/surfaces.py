@@ -13,7 +13,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core import source_kinds
 from ..core.job import Settings, needs_uvs
-from ..scene import arrays, mesh_io, sculpt_masks, source_meshes
+from ..scene import arrays, carrying, mesh_io, sculpt_masks, source_meshes
 from ..scene.mesh_io import refuse
 from ..settings.snapshot import identity
 
@@ -129,8 +129,7 @@ def cuts(target: bpy.types.Object, rendering: bool) -> bool:
 
 def deforms(target: bpy.types.Object, rendering: bool) -> bool:
     """Whether anything moves the vertices of the object's own mesh."""
-    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
-    return target.data.shape_keys is not None or len(used) > len(changing(target, rendering))
+    return target.data.shape_keys is not None or len(used(target, rendering)) > len(changing(target, rendering))
 
 
 def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:
@@ -140,8 +139,14 @@ def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:
 
 def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
     """The modifiers in use that may make or remove vertices or faces."""
-    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
-    return [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]
+    kinds = {*source_meshes.GENERATING, "NODES"}
+    return [item for item in used(target, rendering) if item.type in kinds]
+
+
+def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
+    """The modifiers that count, among which those are not that carry values."""
+    shown = "show_render" if rendering else "show_viewport"
+    return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
 
 
 # ---- Where there is none

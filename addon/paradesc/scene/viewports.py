@@ -9,7 +9,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..settings import hooks, preferences
-from . import record
+from . import image_preview, record
 
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
 # saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
@@ -82,6 +82,7 @@ def reveal(context: bpy.types.Context) -> None:
     """
     if bpy.app.background or not preferences.shows_results():
         return
+    image_preview.hide()  # which lies over them
     screen, look = context.screen, wanted(context)
     for number, shading in shadings(screen):
         seen = number in formers(screen) and shading.color_type == ATTRIBUTES
