@@ -56,6 +56,7 @@ MODULES = (
     "show.materials",
     "show.geometry_nodes",
     "show.channels",
+    "show.copies",
     "ui.looks_panel",
     "ui.menus",
     "show.overlay",

@@ -4,13 +4,16 @@ No bpy. What is made stays in memory until the caller keeps it: an unsaved .blen
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import job, texel_centers, texel_tiles, transfer, udim
+from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look
 from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
@@ -53,12 +56,12 @@ class Choice:
         """The settings with the descriptors that a packed texture holds."""
         return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
 
-    def runs(self, settings: job.Settings, arrays: MeshArrays) -> list[job.Settings]:
-        """What is computed at once: masks that share a texture have the radius each that suits it and the mesh."""
+    def runs(self, settings: job.Settings, fit: Callable[[job.Settings], job.Settings]) -> list[job.Settings]:
+        """What is computed at once: masks that share a texture have the radius each that fits it and the mesh."""
         settings = self.settings(settings)
         if not self.packed:
-            return [job.fitted(settings, arrays)]
-        alone = [job.fitted(replace(settings, descriptors=(name,)), arrays) for name in settings.descriptors]
+            return [fit(settings)]
+        alone = [fit(replace(settings, descriptors=(name,))) for name in settings.descriptors]
         together: dict[float, job.Settings] = {}
         for one in alone:
             radius = one.options.radius
@@ -128,7 +131,7 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, arrays)
+    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
     exact = settings.options.evaluate == "texel"
     in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, runs[0], choice.size, exact)
     computing, drawing = shares(progress, in_turn)
@@ -151,7 +154,7 @@ def run_onto(
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
     tiling = udim.of_mesh(low.arrays)
     computing, drawing = shares(progress, bool(tiling.tiles))
-    runs = choice.runs(settings, highs[0].measured)
+    runs = choice.runs(settings, partial(job.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
     found = [
         transfer.run(low, highs, one, choice.size, cage, job.part_of(computing, number, len(runs)), tiling.tiles)
         for number, one in enumerate(runs)
