@@ -102,3 +102,59 @@ def test_several_computations_report_as_one():
     assert results.radius == alone.radius
     assert results.field_report["seconds_total"] > 0
     assert len(results.notes) == len(set(results.notes))
+
+
+# ---- One scale
+
+
+def test_several_meshes_have_one_range_on_request(registered, tmp_path):
+    bpy = pytest.importorskip("bpy", reason="needs Blender")
+    from scene import add_sphere, saved_scene, small_bake
+
+    for name, height in (("smooth", 0.05), ("rough", 0.3)):
+        mesh = add_sphere(name, steps=8).data
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        points = points.reshape(-1, 3)
+        mesh.vertices.foreach_set("co", (points * (1 + height * np.sin(4 * points[:, :1]))).ravel())
+    settings = small_bake("cpu")
+    settings.descriptors, settings.texels = {"cavity"}, 64
+    saved_scene(tmp_path / "scene.blend")
+    for item in bpy.data.objects:
+        item.select_set(True)
+
+    def said():
+        assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+        files = [tmp_path / f"{name}_cavity.png" for name in ("smooth", "rough")]
+        return [decode16(path.read_bytes())[1]["Description"] for path in files]
+
+    one, other = said()
+    assert one != other
+    bpy.context.scene.paradesc_looks.same_scale = True
+    one, other = said()
+    assert one == other
+    assert image_results_of("rough").seconds > 0
+
+
+def test_a_mesh_that_fails_leaves_the_others_their_one_range(registered, tmp_path):
+    bpy = pytest.importorskip("bpy", reason="needs Blender")
+    from scene import add_sphere, saved_scene, small_bake
+
+    for name in ("one", "other", "damaged"):
+        add_sphere(name, steps=4)
+    bpy.data.meshes["damaged"].clear_geometry()
+    settings = small_bake("cpu")
+    settings.texels, bpy.context.scene.paradesc_looks.same_scale = 64, True
+    saved_scene(tmp_path / "scene.blend")
+    for item in bpy.data.objects:
+        item.select_set(True)
+    assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["one_curvature.png", "other_curvature.png"]
+
+
+def image_results_of(name):
+    import bpy
+
+    from paradesc.scene import image_results
+
+    return image_results.found(bpy.data.objects[name])
