@@ -18,12 +18,15 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     shown = image_preview.shown(context.active_object)
     for image in images:
         text = label("Show on Mesh") if len(images) == 1 else image.name
-        look = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
-        column.operator("paradesc.show_image", text=text, translate=False, **look).name = image.name
-    row, opened = column.row(align=True), next((image for image in images if image.name == shown), images[0])
-    row.operator("paradesc.open_image").name = opened.name
-    packed = image_results.is_packed(opened)
-    row.operator("paradesc.save_images" if packed else "paradesc.open_image_folder").name = opened.name
+        options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
+        column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
+    opened = next((image for image in images if image.name == shown), images[0])
+    row = column.row(align=True)
+    row.operator("paradesc.open_image", text="Open").name = opened.name
+    if image_results.is_packed(images[0]):
+        row.operator("paradesc.save_images", text="Save").name = opened.name
+    else:
+        row.operator("paradesc.open_image_folder", text="Folder").name = opened.name
     for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
         for sentence in sentences.splitlines():
             sentence_lines(context, column, sentence, kind)
