@@ -158,6 +158,19 @@ def test_more_segments_take_the_values_of_the_nearest_places():
     assert np.unique(after.round(4)).size > np.unique(before.round(4)).size
 
 
+def test_another_level_in_another_pose_has_what_blender_mixes_of_the_own_vertices():
+    target = box("subdivision")
+    bake("convexity")
+    target.modifiers["SUBSURF"].levels = 3  # renders have a level of their own
+    target.modifiers.new("Bend", "SIMPLE_DEFORM").deform_method = "BEND"
+    target.modifiers.move(2, 1)
+    found = shown(target, "convexity")
+    ours(target)[0].show_viewport = False
+    bpy.context.view_layer.update()
+    np.testing.assert_array_equal(found, shown(target, "convexity"))
+    assert np.ptp(found) > 0
+
+
 def test_a_modifier_that_is_added_behind_is_measured_by_the_next_bake():
     target = box()
     bake("convexity")
