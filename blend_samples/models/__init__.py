@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 import bpy
 
-from .car import car
+from .car import car, car_parts
 from .crate import crate
-from .creature import creature
+from .creature import caterpillar, creature
 from .parts import unwrap
 from .simple import column, gear, helmet, house, rock, vase
 from .stone import stone
 
-MAKERS = (crate, stone, car, creature, gear, vase, column, helmet, rock, house)
+MAKERS = (crate, stone, car, creature, gear, vase, column, helmet, rock, house, caterpillar)
 MODELS: dict[str, Callable[[], bpy.types.Object]] = {make.__name__: make for make in MAKERS}
 
-__all__ = [*MODELS, "MODELS", "unwrap"]
+__all__ = [*MODELS, "MODELS", "car_parts", "unwrap"]

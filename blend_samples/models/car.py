@@ -43,16 +43,23 @@ def outline(u: np.ndarray, v: np.ndarray, center: tuple, half: tuple, rounding: 
     return np.sqrt(np.maximum(a, 0) ** 2 + np.maximum(b, 0) ** 2) + np.minimum(np.maximum(a, b), 0) - rounding
 
 
+def windows(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
+    """The distances to two side windows, seen from the side, to the one in front and the one behind."""
+    return [
+        outline(y, z, (-0.1, 0.63), (0.15, 0.066), 0.045, 0.3),
+        outline(y, z, (0.295, 0.63), (0.13, 0.066), 0.045, 0.3),
+        outline(x, z, (0, 0.64), (0.185, 0.068), 0.05, 0.3),
+        outline(x, z, (0, 0.65), (0.15, 0.055), 0.05, 0.3),
+    ]
+
+
 def engrave_body(solid: Solid) -> None:
     """Sunken windows with a frame, and grooves around the doors, the hood and the trunk."""
     out, toward, up = solid.even_out()
     x, y, z = solid.axes()
     side, front, back, top = ramp(out, 0.5, 0.7), ramp(toward, -0.4, -0.6), ramp(toward, 0.4, 0.6), ramp(up, 0.3, 0.5)
     high, low = ramp(z, 0.52, 0.54), ramp(z, 0.2, 0.23)
-    panes = ((outline(y, z, (-0.1, 0.63), (0.15, 0.066), 0.045, 0.3), side),
-             (outline(y, z, (0.295, 0.63), (0.13, 0.066), 0.045, 0.3), side),
-             (outline(x, z, (0, 0.64), (0.185, 0.068), 0.05, 0.3), front),
-             (outline(x, z, (0, 0.65), (0.15, 0.055), 0.05, 0.3), back))  # fmt: skip
+    panes = zip(windows(x, y, z), (side, side, front, back), strict=True)
     for pane, where in panes:
         frame = np.clip(1 - np.abs(pane - 0.016) / 0.02, 0, 1)
         solid.sink(where * high * (0.025 * np.clip(0.5 - pane / 0.02, 0, 1) - 0.008 * frame))
@@ -75,7 +82,7 @@ def add_fittings(solid: Solid) -> None:
     solid.add(ellipsoid((0.33, -0.87, 0.4), (0.1, 0.12, 0.1)), 0.02)
     solid.add(ring((0.33, -0.965, 0.4), 1, 0.078, 0.02), 0.006)
     solid.cut(disk((0.33, -1.0, 0.4), 1, 0.066, 0.06, 0.01))
-    solid.add(ellipsoid((0.33, -0.93, 0.4), (0.06, 0.035, 0.06)))
+    solid.add(ellipsoid((0.33, -0.935, 0.4), (0.072, 0.035, 0.072)))
     solid.add(ellipsoid((0.37, 0.93, 0.36), (0.045, 0.05, 0.06)), 0.01)
     for y, way in ((-1.03, 1), (1.03, -1)):
         solid.add(cone((0, y, 0.2), (0.33, y + 0.03 * way, 0.2), 0.034, 0.034, (1, 1.4, 1)), 0.01)
@@ -110,3 +117,20 @@ def add_wheels(solid: Solid) -> None:
                 ellipsoid((0.43, y + 0.072 * math.cos(turn), 0.2 + 0.072 * math.sin(turn)), (0.012, 0.012, 0.012))
             )
         solid.add(cone((0, y, 0.2), (0.4, y, 0.2), 0.04, 0.04))
+
+
+def car_parts(centers: np.ndarray) -> np.ndarray:
+    """(n,) what faces with these centers (n, 3) belong to: 0 paint, 1 rubber, 2 glass, 3 chrome."""
+    x, y, z = np.abs(centers[:, 0]), centers[:, 1], centers[:, 2]
+    reach = np.hypot(np.abs(y) - WHEELS[1], z - 0.2)
+    found = np.zeros(len(centers), int)
+    first, second, front, back = (pane < 0 for pane in windows(centers[:, 0], y, z))
+    found[(first | second) & (x > 0.24)] = 2
+    found[(front & (y < -0.2) & (y > -0.42) | back & (y > 0.4)) & (x < 0.24) & (z > 0.57)] = 2
+    found[(reach < 0.205) & (x > 0.3)] = 1
+    found[(reach < 0.116) & (x > 0.3)] = 3
+    bumper = (np.abs(y) > 0.93) & (z < 0.28) & ((np.abs(y) > 1.0) | (x < 0.44) & (np.abs(z - 0.2) < 0.045))
+    lamp = (np.hypot(x - 0.33, z - 0.4) < 0.102) & (y < -0.93)
+    handle = (np.abs(y - 0.07) < 0.07) & (np.abs(z - 0.5) < 0.022) & (x > 0.343)
+    found[bumper | lamp | handle] = 3
+    return found

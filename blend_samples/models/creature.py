@@ -97,3 +97,19 @@ def fold_skin(solid: Solid) -> None:
     for spot in near[:14]:
         radius = generator.uniform(0.016, 0.03)
         solid.add(ellipsoid(spot, (radius, radius, radius)), 0.025)
+
+
+def caterpillar(step: float = 0.02) -> bpy.types.Object:
+    """A caterpillar 2.6 long, along z, with folds between its rings; its legs look along x."""
+    solid = Solid((-0.5, -0.45, -1.4), (0.6, 0.45, 1.5), step)
+    for k in range(10):
+        width = 0.27 + 0.05 * math.sin(0.35 * k + 0.4)
+        solid.add(ellipsoid((0, 0, 0.25 * k - 1.15), (width, width, 0.19)), 0.05)
+        for y in (-0.13, 0.13):
+            if 1 <= k <= 8:
+                solid.add(cone((0.2, y, 0.25 * k - 1.15), (0.38, 1.15 * y, 0.25 * k - 1.15), 0.075, 0.05), 0.04)
+    solid.add(ellipsoid((-0.03, 0, 1.2), (0.3, 0.3, 0.26)), 0.03)
+    for y in (-0.14, 0.14):
+        solid.add(ellipsoid((-0.12, y, 1.4), (0.1, 0.08, 0.08)), 0.01)
+        solid.add(cone((-0.27, 0.6 * y, 1.25), (-0.44, 1.3 * y, 1.36), 0.035, 0.05), 0.02)
+    return build("caterpillar", *solid.mesh())

@@ -176,6 +176,7 @@ class Solid:
             lower[0] = -self.step * (self.values.shape[0] - 1)
         values = np.pad(values, 1, constant_values=FAR)
         points, quads = surface_net(values)
+        points, quads = largest(points, quads)
         for _ in range(2):
             points = settled(relaxed(points, quads), values)
         return lower + self.step * (points - 1), quads
@@ -217,6 +218,17 @@ def surface_net(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             around = [nodes - u - v, nodes - v, nodes, nodes - u][::way]
             quads.append(np.stack([numbers[tuple(place.T)] for place in around], axis=1))
     return cells + total / crossed[:, None], np.concatenate(quads)
+
+
+def largest(points: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The connected part with the most points, without crumbs and bubbles."""
+    part, before = np.arange(len(points)), None
+    while before is None or not np.array_equal(part, before):
+        before = part.copy()
+        np.minimum.at(part, quads.ravel(), np.repeat(before[quads].min(axis=1), 4))
+        part = part[part]
+    kept = part == np.bincount(part).argmax()
+    return points[kept], (np.cumsum(kept) - 1)[quads[kept[quads[:, 0]]]]
 
 
 def relaxed(points: np.ndarray, quads: np.ndarray) -> np.ndarray:

@@ -24,14 +24,14 @@ def stone(step: float = 0.0115) -> bpy.types.Object:
     """A standing stone 1.8 high on a rough base; its carved front looks along -y."""
     solid = Solid((-0.72, -0.5, -0.02), (0.72, 0.5, 1.86), step)
     solid.add(hewn())
+    solid.even_out()
+    carve(solid)
     generator = np.random.default_rng(3)
     for _ in range(26):  # chips along the edges
-        side, height, depth = generator.choice([-1, 1]), generator.uniform(0.3, 1.75), generator.choice([-1, 1])
+        side, height, depth = generator.choice([-1, 1]), generator.uniform(0.42, 1.75), generator.choice([-1, 1])
         width = 0.5 - 0.06 * height - 0.2 * max(height - 1.35, 0)
         radii = generator.uniform(0.03, 0.1, 3)
         solid.cut(ellipsoid((side * width, depth * 0.175, height), radii, generator.uniform(-40, 40, 3)), 0.02)
-    solid.even_out()
-    carve(solid)
     solid.add(box((0, 0, 0.1), (0.62, 0.4, 0.11), 0.05), 0.03)
     points, quads = solid.mesh()
     points = rough(points, quads, ((0.006, 0.06, 4), (0.016, 0.35, 2)))

@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT / "blend_samples"))
 import models  # noqa: E402
 from models import solids  # noqa: E402
 
-SCULPTED = ("stone", "car", "creature", "column", "helmet", "rock")
+SCULPTED = ("stone", "car", "creature", "column", "helmet", "rock", "caterpillar")
 
 
 @pytest.fixture(autouse=True)
