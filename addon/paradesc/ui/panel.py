@@ -10,6 +10,7 @@ from ..core import advice, choices, spaces
 from ..scene import mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
+from . import image_result
 from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
@@ -52,6 +53,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         draw_obstacles(context, layout, settings)
         draw_live(context, layout)
         draw_result(context, layout)
+        image_result.draw(context, layout)
         draw_research(context, layout)
 
 
