@@ -72,7 +72,7 @@ def test_the_fitted_radius_is_that_of_a_bake_and_is_not_fitted_to_every_frame(ca
     radius = record.read(cage.data)["field_report"]["radius"]
     fits = []
     fitted = fitting.fitted
-    monkeypatch.setattr(job, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
+    monkeypatch.setattr(fitting, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
     assert switch(cage) == ""
     session = handlers.session_at(cage)
     assert session.results.radius == pytest.approx(radius, rel=1e-5)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from ..bridge import MeshArrays
 from . import advice
 from .color_maps import EDGES
 
-if TYPE_CHECKING:
-    from .job import Results, Settings
+# The types of job.py, which is built on this.
+Settings, Results = TypeVar("Settings"), TypeVar("Results")
 
 # Edges of thin parts are wider than the parts at a radius that suits the mesh elsewhere: it is halved so many times at most
 # where a mask is brighter than half on more than this share of the surface.
@@ -21,7 +21,7 @@ NARROWED = ("fine", "medium")
 FITTED = "fitted"
 
 
-def fitted(settings: "Settings", arrays: MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS) -> "Settings":
+def fitted(settings: Settings, arrays: MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS) -> Settings:
     """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
     if settings.radius_fit not in advice.SIZES:
         return settings
@@ -31,10 +31,10 @@ def fitted(settings: "Settings", arrays: MeshArrays, largest: float = advice.LAR
 
 
 def narrowed(
-    settings: "Settings",
-    compute: Callable[["Settings"], "Results"],
-    values_of: Callable[["Results"], dict[str, np.ndarray]],
-) -> "Results":
+    settings: Settings,
+    compute: Callable[[Settings], Results],
+    values_of: Callable[[Results], dict[str, np.ndarray]],
+) -> Results:
     """What is computed with the radius that settings have been fitted with, or with half of it and so on.
 
     A half is better where a mask is bright on less of the surface than before, which was too much.
@@ -53,7 +53,7 @@ def narrowed(
     return results
 
 
-def bright_share(results: "Results", values: dict[str, np.ndarray]) -> float:
+def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
     """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
     found = [0.0]
     for name in EDGES & values.keys():

@@ -125,11 +125,15 @@ class Results:
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
-        own = self.transfer is None
-        values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
+        at_vertices = self.transfer is None and name not in self.texel_values
+        areas = self.areas if at_vertices else None
+        return value_range(self.telling(name), registry_row(name), self.radius_of(name), self.look, areas)
+
+    def telling(self, name: str) -> np.ndarray:
+        """The values that tell the range: those of texels, of the detailed surfaces, or else at the vertices."""
         if name in self.texel_values:
-            values, areas = self.texel_values[name], None
-        return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
+            return self.texel_values[name]
+        return self.values[name] if self.transfer is None else self.transfer.measured[name]
 
     @property
     def areas(self) -> np.ndarray | None:
