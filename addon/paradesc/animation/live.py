@@ -270,7 +270,7 @@ class Session:
         """The range of one descriptor in these results."""
         results, computed = self.results, self.computed_names()[name]
         row, radius = registry_row(computed), results.radius_of(computed)
-        areas = None if look.fixed(row) else results.areas
+        areas = None if look.fixed(row) or results.areas_of is None else results.areas_of()
         return color_maps.value_range(results.values[computed], row, radius, look, areas)
 
     def asked_names(self) -> list[str]:

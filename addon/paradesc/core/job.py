@@ -112,7 +112,7 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
-    areas_of: Callable[[], np.ndarray] | None = None  # gives areas, if masks are among the values
+    areas_of: Callable[[], np.ndarray] | None = None  # gives (vertex_count,) float64, with masks among the values
     texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
@@ -132,15 +132,10 @@ class Results:
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
         own = self.transfer is None
-        values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
+        values, areas = (self.values[name], self.areas_of and self.areas_of()) if own else (self.transfer.measured[name], None)
         if name in self.texel_values:
             values, areas = self.texel_values[name], None
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
-
-    @property
-    def areas(self) -> np.ndarray | None:
-        """(vertex_count,) float64 of the surface around each vertex: live values seldom need what takes so long."""
-        return None if self.areas_of is None else self.areas_of()
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -297,7 +292,7 @@ def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
     """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
     found = [0.0]
     for name in EDGES & values.keys():
-        areas = results.areas if values is results.values else np.ones(values[name].shape)
+        areas = results.areas_of() if values is results.values else np.ones(values[name].shape)
         defined = np.isfinite(values[name])
         total = float(areas[defined].sum())
         found.append(float(areas[defined & (values[name] > 0.5)].sum()) / total if total > 0 else 0.0)
