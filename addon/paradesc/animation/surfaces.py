@@ -13,7 +13,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core import source_kinds
 from ..core.job import Settings, needs_uvs
-from ..scene import arrays, carrying, mesh_io, sculpt_masks, source_meshes
+from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
 from ..scene.mesh_io import refuse
 from ..settings.snapshot import identity
 
@@ -97,7 +97,7 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 
 
 def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> np.ndarray:
-    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex.
+    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex: itself or the nearest.
 
     Those that other modifiers keep are found again by a bake's way, which a render cannot go.
     """
@@ -106,7 +106,7 @@ def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> np
         return np.arange(count)
     places = np.empty(0) if rendering else source_meshes.origins(target)
     if len(places) != count or (places < 0).any() or (places >= found).any():
-        raise lost(target)
+        return delivery.nearest(target.data, made)
     return places
 
 
@@ -141,6 +141,16 @@ def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifi
     """The modifiers in use that may make or remove vertices or faces."""
     kinds = {*source_meshes.GENERATING, "NODES"}
     return [item for item in used(target, rendering) if item.type in kinds]
+
+
+def differs_in_renders(target: bpy.types.Object) -> bool:
+    """Whether modifiers make another mesh in renders than in viewports."""
+    kinds = {*source_meshes.GENERATING, "NODES"}
+    return any(
+        item.show_viewport != item.show_render or getattr(item, "levels", 0) != getattr(item, "render_levels", 0)
+        for item in target.modifiers
+        if item.type in kinds and not carrying.is_ours(item)
+    )
 
 
 def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
