@@ -19,8 +19,7 @@ class PARADESC_PT_animation(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws frames, cache and button."""
         scene, group = context.scene, context.scene.paradesc_animation
-        if group.is_property_set("frame_source"):  # by a script or an older file
-            setting(layout, group, "frame_source")
+        setting(layout, group, "frame_source")
         setting(layout, group, "use_scene_range")
         column = layout.column(align=True)
         if not group.use_scene_range:
