@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import count_computations, stretching_sphere, switch, values  # noqa: E402
 from paradesc.animation import frames, handlers, live  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import fitting, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import record, source_meshes  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
@@ -71,8 +71,8 @@ def test_the_fitted_radius_is_that_of_a_bake_and_is_not_fitted_to_every_frame(ca
     bake()
     radius = record.read(cage.data)["field_report"]["radius"]
     fits = []
-    fitted = job.fitted
-    monkeypatch.setattr(job, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
+    fitted = fitting.fitted
+    monkeypatch.setattr(fitting, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
     assert switch(cage) == ""
     session = handlers.session_at(cage)
     assert session.results.radius == pytest.approx(radius, rel=1e-5)
@@ -141,16 +141,6 @@ def test_live_alone_carries_values_and_leaves_them_as_a_bake_does(cage):
     switch(cage, "OFF")
     np.testing.assert_array_equal(carried_values(cage, f"{MASK}_color"), shown)
     assert bpy.ops.paradesc.recolor() == {"FINISHED"}, "they are taken for painted over"
-
-
-def test_another_level_of_subdivision_in_renders_shows_the_objects_own_values_there(cage):
-    cage.modifiers["finer"].render_levels = 3
-    assert switch(cage) == ""
-    carrier = cage.modifiers[-1]
-    assert (carrier.show_viewport, carrier.show_render) == (True, False)
-    cage.modifiers["finer"].render_levels = 2
-    bpy.context.scene.paradesc_looks.invert = True
-    assert carrier.show_render
 
 
 def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):

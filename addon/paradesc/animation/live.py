@@ -12,7 +12,7 @@ import numpy as np
 
 from ..bake import sculpt_mask
 from ..bridge import MeshArrays, Options, ParadescError, ProgressFunction
-from ..core import color_maps, job
+from ..core import color_maps, fitting, job
 from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
@@ -64,6 +64,7 @@ class Session:
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # as LiveRequest has them
         self.vertices: np.ndarray | None = None
+        self.keeps_own = True  # the original vertices are among the arrays', not only near them
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
@@ -168,8 +169,8 @@ class Session:
         changed = painting.paint(self.painter, target, self.values(self.own()), ranges, fresh_on_mesh)
         self.unpainted = False
         if self.painter.carried and (changed or fresh_on_mesh):
-            rendering = depsgraph is not None and depsgraph.mode == "RENDER"
-            carried.paint(self.painter, target, self.values(self.results), self.done.arrays, rendering)
+            by_place = None if depsgraph is not None and depsgraph.mode == "RENDER" else not self.keeps_own
+            carried.paint(self.painter, target, self.values(self.results), self.done.arrays, by_place)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -216,7 +217,8 @@ class Session:
 
     def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
         """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
-        self.vertices = None if rendering is None else surfaces.places_of(target, arrays, rendering)
+        places = (None, True) if rendering is None else surfaces.places_of(target, arrays, rendering)
+        self.vertices, self.keeps_own = places
         begins = self.arrays is None and rendering is not None
         self.kept = record.read(target.data).get(RADII, {}) if begins else {}
         self.arrays, self.rest = arrays, mesh_io.read_positions(target.data)
@@ -251,7 +253,7 @@ class Session:
         radii = request.kept.get("radii") if request.kept.get("asked") == words else None
         if isinstance(radii, list) and len(radii) == 1 + len(asked.more_radii):
             own = replace(options, radius=radii[0], radius_unit="absolute")
-            found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=job.FITTED)
+            found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=fitting.FITTED)
         else:
             found = with_fixed_radii(self.stream, request.arrays, asked)
         self.radii = {"asked": words, "radii": [float(radius) for radius in (found.options.radius, *found.more_radii)]}

@@ -96,18 +96,18 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 # ---- Original vertices
 
 
-def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> np.ndarray:
-    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex: itself or the nearest.
+def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tuple[np.ndarray, bool]:
+    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex; whether all are there.
 
-    Those that other modifiers keep are found again by a bake's way, which a render cannot go.
+    Those that other modifiers keep are found again by a bake's way, which a render cannot go. Else it is the nearest.
     """
     count, found = len(target.data.vertices), len(made.positions)
     if appends(target, count, found, rendering):
-        return np.arange(count)
+        return np.arange(count), True
     places = np.empty(0) if rendering else source_meshes.origins(target)
     if len(places) != count or (places < 0).any() or (places >= found).any():
-        return delivery.nearest(target.data, made)
-    return places
+        return delivery.nearest(target.data, made), False
+    return places, True
 
 
 def lost(target: bpy.types.Object) -> Exception:
@@ -141,16 +141,6 @@ def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifi
     """The modifiers in use that may make or remove vertices or faces."""
     kinds = {*source_meshes.GENERATING, "NODES"}
     return [item for item in used(target, rendering) if item.type in kinds]
-
-
-def differs_in_renders(target: bpy.types.Object) -> bool:
-    """Whether modifiers make another mesh in renders than in viewports."""
-    kinds = {*source_meshes.GENERATING, "NODES"}
-    return any(
-        item.show_viewport != item.show_render or getattr(item, "levels", 0) != getattr(item, "render_levels", 0)
-        for item in target.modifiers
-        if item.type in kinds and not carrying.is_ours(item)
-    )
 
 
 def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:

@@ -12,7 +12,7 @@ from typing import Protocol
 
 from .. import __version__
 from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
-from ..core import job
+from ..core import color_maps, fitting, job
 from ..core.digests import digest
 from ..core.stream import Stream
 from . import cache
@@ -221,15 +221,15 @@ def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> jo
 
 def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings) -> job.Settings:
     """The same with the radii that a bake of these arrays has, which may fit them to the mesh."""
-    found = at_fixed_radii(job.fitted(settings, arrays), stream.mesh_at(arrays).report())
-    if settings.radius_fit not in job.NARROWED or not job.EDGES & set(settings.descriptors):
+    found = at_fixed_radii(fitting.fitted(settings, arrays), stream.mesh_at(arrays).report())
+    if settings.radius_fit not in fitting.NARROWED or not color_maps.EDGES & set(settings.descriptors):
         return found
 
     def compute(chosen: job.Settings) -> job.Results:
         stream.settings = chosen
         return stream.compute(arrays.positions, corner_normals=arrays.corner_normals)
 
-    return job.narrowed(found, compute, attrgetter("values")).settings
+    return fitting.narrowed(found, compute, attrgetter("values")).settings
 
 
 def at_frame(frame: int, error: ParadescError) -> ParadescError:
