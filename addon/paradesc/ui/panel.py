@@ -87,7 +87,7 @@ def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
     column = layout.column(align=True)
-    column.label(text="Sculpt Mask")
+    column.label(text="Protect by Sculpt Mask")
     row = column.row(align=True)
     for name in sculpt_mask.MASKS:
         row.operator("paradesc.mask_from_shape", text=presets.PRESETS[name].label).mask = name
