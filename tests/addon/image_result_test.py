@@ -52,6 +52,21 @@ def test_several_images_are_counted_and_those_that_are_left_named(folder, settin
     assert image_result.result_sentence(image_results.found(ball())).startswith("ball_edges.png, 96², ")
 
 
+def test_images_are_named_by_what_they_hold_and_the_telling_one_is_shown(folder, settings, monkeypatch):  # noqa: F811
+    settings.descriptors = {"cavity", "convexity"}  # a sphere has no cavity
+    seen = []
+    monkeypatch.setattr(image_preview, "reveal", lambda _target, image, *_words: seen.append(image.name))
+    made = baked()
+    assert [made.label(image) for image in made.images] == ["Cavity", "Edge Wear"]
+    assert seen == ["ball_edges.png"]
+
+
+def test_a_packed_image_is_named_by_all_that_it_holds(folder, settings):  # noqa: F811
+    settings.image_packed = True
+    made = baked()
+    assert made.label(made.images[0]) == "Cavity, Edge Wear, Openness"
+
+
 def test_a_bake_of_vertices_and_one_to_images_keep_what_the_other_left(folder):  # noqa: F811
     made = baked()
     bpy.ops.paradesc.bake()

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core import large_faces, source_kinds
-from . import source_meshes
+from . import source_meshes, targets
 from .arrays import read_array
 
 # A mesh with more faces than this is fine enough.
@@ -16,14 +16,19 @@ _found: dict[tuple, bool] = {}
 MOST_KEPT = 256
 
 
+def of_chosen(context: bpy.types.Context) -> bool:
+    """Whether that is so of all meshes that a bake takes, as it measures them."""
+    return every(targets.chosen(context), context.scene.paradesc_animation.source)
+
+
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
     """Whether that is so of all these objects, of which there is one at least, as this source has them."""
     return bool(objects) and all(are_too_large(target, source) for target in objects)
 
 
 def are_too_large(target: bpy.types.Object, source: str) -> bool:
-    """Whether that is so of one; in edit and sculpt mode nothing is told, as their meshes change all the time."""
-    if target.mode in ("EDIT", "SCULPT") or len(target.data.polygons) > MOST_FACES:
+    """Whether that is so of one; outside of object mode people change a mesh, or want its colors."""
+    if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
         return False
     modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
     shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target

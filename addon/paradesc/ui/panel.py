@@ -7,7 +7,7 @@ from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import advice, choices, spaces
-from ..scene import mesh_io, pairs, sculpt_masks, targets
+from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -99,10 +99,18 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
     active = context.active_object
     row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
     row.scale_y = 1.4
-    row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
+    large = large_faces.of_chosen(context)
+    if large:
+        row.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    else:
+        row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
     if is_mesh(active):
         row.prop(active.paradesc_live, "follows", toggle=True)
-    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    if large:
+        sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
+        layout.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
+    else:
+        layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
