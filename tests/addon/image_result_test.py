@@ -147,3 +147,17 @@ def test_a_mesh_without_images_has_no_line_and_grey_buttons():
     assert image_results.found(None) is None
     for name in ("show_image", "open_image", "open_image_folder", "save_images"):
         assert not getattr(bpy.ops.paradesc, name).poll()
+
+
+def test_the_line_has_its_buttons_and_says_what_happened_to_the_map(settings):  # noqa: F811
+    from panel_test import drawn_by
+
+    from paradesc.ui import panel
+
+    ball().data.uv_layers.remove(ball().data.uv_layers[0])
+    made = baked()
+    found = drawn_by(panel.PARADESC_PT_bake)
+    assert {"Show on Mesh", "Open", "Save"} <= set(found["operator"])
+    said = " ".join(found["label"])
+    assert f"ball_curvature, 96², {made.seconds:.1f} s" in said
+    assert made.notes in said
