@@ -151,6 +151,7 @@ def rendered(path):
     """(height, width) values of a strip over two tiles, as Cycles renders its material without light."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples, scene.render.filepath = "CYCLES", 1, str(path)
+    scene.cycles.use_denoising = False
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 512, 8, 100
     scene.view_settings.view_transform = "Raw"
