@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc.animation import handlers  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import fitting, job  # noqa: E402
 from paradesc.scene import record, source_meshes, targets  # noqa: E402
 from paradesc.settings import presets  # noqa: E402
 from paradesc.ui import panel, report_panel, result  # noqa: E402
@@ -178,7 +178,7 @@ def test_the_radius_is_halved_where_parts_are_thinner(monkeypatch):
     target = rods()
     bpy.ops.paradesc.bake()
     found = record.read(target.data)["settings"]["radius"]
-    monkeypatch.setattr(job, "HALVINGS", 0)
+    monkeypatch.setattr(fitting, "HALVINGS", 0)
     bpy.ops.paradesc.bake()
     whole = record.read(target.data)["settings"]["radius"]
     assert whole / found in (2, 4, 8)

@@ -128,8 +128,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         kinds = ", ".join(dict.fromkeys(label(targets.kind_words(item)) for item in skipped))
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
-        if hasattr(bpy.types, "PARADESC_OT_convert_to_mesh"):
-            layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
+        layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
     uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
     if uneven and settings.space == "object":
         if not stored_report(context.active_object):  # its warnings say so at length
