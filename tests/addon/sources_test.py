@@ -13,8 +13,16 @@ from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
 from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
-from paradesc.show.node_groups import add_socket  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
+from scene import (  # noqa: E402
+    add_socket,
+    add_sphere,
+    attribute_values,
+    empty_scene,
+    fingerprint,
+    saved_scene,
+    select,
+    small_bake,
+)
 from shapes import ADDON  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -337,7 +345,7 @@ def test_geometry_nodes_make_a_mesh_of_nothing(source):
     target = bpy.data.objects.new("made", bpy.data.meshes.new("empty"))
     bpy.context.collection.objects.link(target)
     tree = bpy.data.node_groups.new("cube", "GeometryNodeTree")
-    add_socket(tree, "Geometry", "geometry", output=True)
+    add_socket(tree, "Geometry", "Geometry", output=True)
     nodes = [tree.nodes.new(kind) for kind in ("GeometryNodeMeshCube", "NodeGroupOutput")]
     tree.links.new(nodes[0].outputs[0], nodes[1].inputs[0])
     target.modifiers.new("cube", "NODES").node_group = tree

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import bpy
 
+from . import asset_library
+
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
 GIGABYTE = 1_000_000_000
@@ -42,6 +44,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         self.layout.use_property_split = True
         for name in ("show_results", "memory_limit", "presets_folder"):
             self.layout.prop(self, name)
+        asset_library.draw(self.layout)
 
 
 def found() -> PARADESC_AP_preferences | None:

@@ -1,40 +1,55 @@
-"""Builds the same node trees in Blender 3.4 and later, whose interfaces of groups differ."""
+"""Brings node groups and materials from the add-on's .blend of assets into the file that is open."""
 
 import bpy
 
-SOCKETS = {"color": "NodeSocketColor", "float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
+from ..scene.mesh_io import refuse
+from ..settings.asset_library import FILE
+
 # The custom property of our node groups and materials that says what they are, whatever their name.
 MARK = "paradesc_kind"
 
 
-def new_group(kind: str, name: str) -> bpy.types.NodeTree:
-    """An empty group of a tree type such as "ShaderNodeTree"."""
-    group = bpy.data.node_groups.new(name, kind)
-    group[MARK] = name
-    return group
-
-
-def found_group(kind: str, name: str) -> bpy.types.NodeTree | None:
-    """Our group that was made under this name earlier, if it is still there and local."""
+def found_group(mark: str) -> bpy.types.NodeTree | None:
+    """Our group with this mark that was made earlier, if it is still there and local."""
     for group in bpy.data.node_groups:
-        if group.bl_idname == kind and group.get(MARK) == name and group.library is None:
+        if group.get(MARK) == mark and group.library is None:
             return group
     return None
 
 
-def add_socket(
-    group: bpy.types.NodeTree, name: str, kind: str, default: object = None, *, output: bool = False
-) -> None:
-    """Adds an input or output to a group; a float's default comes with its bounds: (default, minimum, maximum)."""
+def shared_group(mark: str) -> bpy.types.NodeTree:
+    """The group of this name that is in the file already, as it is now; else that of the assets."""
+    return found_group(mark) or append("node_groups", mark)
+
+
+def append(kind: str, name: str) -> bpy.types.ID:
+    """Appends a group or a material of the assets; groups that it needs and that are in the file already are shared."""
+    if not FILE.is_file():
+        raise refuse(f"The add-on's file of materials is missing: {FILE}; install the add-on again.")
+    groups, libraries = set(bpy.data.node_groups), set(bpy.data.libraries)
+    with bpy.data.libraries.load(str(FILE), link=False) as (_there, wanted):
+        setattr(wanted, kind, [name])
+    made = getattr(wanted, kind)[0]
+    for group in set(bpy.data.node_groups) - groups - {made}:
+        former = next((one for one in groups if one.get(MARK) == group[MARK] and one.library is None), None)
+        if former is not None:
+            group.user_remap(former)
+            bpy.data.node_groups.remove(group)
+        else:
+            group.asset_clear()
+    made.asset_clear()
+    for library in set(bpy.data.libraries) - libraries:
+        bpy.data.libraries.remove(library)
+    return made
+
+
+def input_of(group: bpy.types.NodeTree, name: str) -> object:
+    """The input of a group that holds its default; the interface of groups is another one since Blender 4."""
     if hasattr(group, "interface"):
-        side = "OUTPUT" if output else "INPUT"
-        socket = group.interface.new_socket(name=name, in_out=side, socket_type=SOCKETS[kind])
+        inputs = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
     else:
-        socket = (group.outputs if output else group.inputs).new(SOCKETS[kind], name)
-    if kind == "float" and default is not None:
-        socket.default_value, socket.min_value, socket.max_value = default
-    elif default is not None:
-        socket.default_value = default
+        inputs = group.inputs
+    return next(item for item in inputs if item.name == name)
 
 
 def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **members: object) -> bpy.types.Node:
@@ -44,45 +59,3 @@ def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **
     for name, value in members.items():
         setattr(node, name, value)
     return node
-
-
-def add_math(
-    tree: bpy.types.NodeTree, kind: str, operation: str, place: tuple[float, float], *inputs: object
-) -> bpy.types.NodeSocket:
-    """Adds a math node for numbers and sockets; gives its result."""
-    node = add_node(tree, kind, place, operation=operation)
-    for index, value in enumerate(inputs):
-        if isinstance(value, bpy.types.NodeSocket):
-            tree.links.new(value, node.inputs[index])
-        else:
-            node.inputs[index].default_value = value
-    return node.outputs[0]
-
-
-def add_map_range(
-    tree: bpy.types.NodeTree,
-    place: tuple[float, float],
-    value: bpy.types.NodeSocket,
-    *ends: bpy.types.NodeSocket,
-    label: str = "",
-) -> bpy.types.NodeSocket:
-    """Adds a node that maps the value from between the two ends to between 0 and 1; gives the result."""
-    node = add_node(tree, "ShaderNodeMapRange", place, clamp=True, label=label)
-    for socket, name in zip((value, *ends), ("Value", "From Min", "From Max"), strict=True):
-        tree.links.new(socket, node.inputs[name])
-    return node.outputs["Result"]
-
-
-def add_mix(
-    tree: bpy.types.NodeTree,
-    place: tuple[float, float],
-    factor: bpy.types.NodeSocket,
-    first: bpy.types.NodeSocket,
-    second: bpy.types.NodeSocket,
-) -> bpy.types.NodeSocket:
-    """Adds a mix of two colors; gives the result."""
-    node = add_node(tree, "ShaderNodeMix", place, data_type="RGBA")
-    ends = [socket for socket in node.inputs if socket.type == "RGBA"]
-    for start, end in ((factor, node.inputs[0]), (first, ends[0]), (second, ends[1])):
-        tree.links.new(start, end)
-    return next(socket for socket in node.outputs if socket.type == "RGBA")

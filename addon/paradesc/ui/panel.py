@@ -24,6 +24,7 @@ from .drawing import (
 )
 from .live_panel import live_sentence
 from .report_panel import stored_report
+from .wear_panel import draw_wear
 
 # Of the row that the button has beside Live.
 BAKE_SHARE = 0.72
@@ -104,6 +105,7 @@ def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings
     if there:
         row.prop(context.active_object.paradesc_live, "follows", toggle=True)
     button(context, layout, "paradesc.bake_image", icon="IMAGE_DATA")
+    draw_wear(context, layout)
     found = pairs.chosen(context)
     if found:
         button(context, layout, "paradesc.bake_onto", onto_text(found), icon="TRIA_DOWN_BAR")
