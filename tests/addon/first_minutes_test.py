@@ -37,10 +37,10 @@ def arrays_of(target, source):
     return targets.read(target, job.Settings(), targets.ReadRequest(source=source)).arrays
 
 
-def test_one_click_bakes_a_grey_cavity_mask_of_the_surface_that_is_shown(monkey):
+def test_one_click_bakes_both_grey_masks_of_the_surface_that_is_shown(monkey):
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
     mesh = monkey.data
-    assert mesh.color_attributes.active_color.name == "cavity_color"
+    assert {"cavity_color", "convexity_color"} <= {item.name for item in mesh.color_attributes}
     colors = attribute_values(mesh, "cavity_color")
     np.testing.assert_allclose(colors[:, :2], colors[:, 1:3], atol=1e-5)
     assert np.ptp(colors[:, 0]) > 0.3
@@ -102,12 +102,14 @@ def test_masks_are_grey_and_values_with_a_sign_have_two_colors(name):
 
 def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     group = bpy.context.scene.paradesc
-    assert presets.chosen_mask(group) == "cavity"  # of a new scene
+    assert presets.chosen_masks(group) == ["cavity", "edge_wear"]  # of a new scene
     for name in presets.MASKS:
         presets.apply(group, name)
         assert presets.chosen_mask(group) == name
     group.descriptors = {"cavity", "convexity"}
     assert presets.chosen_mask(group) == ""
+    group.descriptors = {"cavity", "shape_index"}
+    assert presets.chosen_masks(group) == []
 
 
 def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
@@ -120,28 +122,74 @@ def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
     assert record.read(target.data)["settings"]["radius"] == pytest.approx(0.075)  # but in the panel
 
 
-@pytest.mark.parametrize(("steps", "percent"), [(1, 25.0), (8, None), (60, 2.0)])
-def test_the_radius_fits_the_mesh(steps, percent):
-    target = add_sphere(steps=steps)
-    assert bpy.ops.paradesc.fit_radius() == {"FINISHED"}
-    found = bpy.context.scene.paradesc.radius_percent
+@pytest.mark.parametrize(("name", "factor"), [("cavity", 1.0), ("convexity", 1.0), ("ambient_openness", 4.0)])
+@pytest.mark.parametrize(("size", "size_factor"), [("medium", 1.0), ("broad", 2.5)])
+def test_the_radius_of_masks_fits_the_mesh_by_itself(name, factor, size, size_factor):
+    target = add_sphere(steps=60)
+    group = bpy.context.scene.paradesc
+    group.descriptors, group.radius_fit = {name}, size
     bpy.ops.paradesc.bake()
-    report = record.read(target.data)["mesh_report"]
-    expected = 100 * min(max(0.02, 2 * report["mean_edge"] / report["diagonal"]), 0.25)
-    assert found == pytest.approx(expected if percent is None else percent, rel=0.02)
+    stored = record.read(target.data)
+    edges = stored["mesh_report"]["mean_edge"] / stored["mesh_report"]["diagonal"]
+    found = stored["field_report"]["radius"] / stored["mesh_report"]["diagonal"]
+    assert found == pytest.approx(1.5 * edges * factor * size_factor, rel=0.01)  # three digits are kept
+    assert group.radius_percent == pytest.approx(100 * found, rel=1e-5)  # which the panel shows
+    assert group.radius_fit == size  # and the next mesh gets its own
 
 
-def test_a_radius_below_the_edges_gets_a_button_below_its_warning():
+@pytest.mark.parametrize("steps", [1, 4])
+def test_coarse_meshes_have_a_radius_of_four_percent_at_most_and_no_warning(steps):
+    target = add_sphere(steps=steps)
+    bpy.ops.paradesc.bake()
+    stored = record.read(target.data)
+    edge = 100 * stored["mesh_report"]["mean_edge"] / stored["mesh_report"]["diagonal"]
+    assert stored["settings"]["radius"] == pytest.approx(0.01 * min(1.5 * edge, 4.0), rel=0.01)
+    assert stored["warnings"] == ""
+
+
+def test_a_mask_that_is_black_nearly_everywhere_gives_way_to_the_other():
+    target = add_sphere(steps=8)  # it has no cavity
+    bpy.ops.paradesc.bake()
+    assert target.data.color_attributes.active_color.name == "convexity_color"
+    target.data.flip_normals()
+    bpy.ops.paradesc.bake()
+    assert target.data.color_attributes.active_color.name == "cavity_color"
+
+
+def test_values_that_are_no_masks_have_the_usual_radius():
+    target = add_sphere(steps=60)
+    bpy.context.scene.paradesc.descriptors = {"mean_curvature", "cavity"}
+    bpy.ops.paradesc.bake()
+    assert record.read(target.data)["settings"]["radius"] == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("member", ["radius_percent", "radius_absolute", "radius_edges"])
+def test_a_radius_that_is_typed_stays(member):
+    target = add_sphere(steps=8)
+    group = bpy.context.scene.paradesc
+    group.radius_unit = {"radius_percent": "diagonal", "radius_absolute": "absolute"}.get(member, "mean-edge")
+    assert group.radius_fit == "medium"
+    setattr(group, member, 3.0)
+    assert group.radius_fit == "typed"
+    for mask in presets.MASKS:
+        bpy.ops.paradesc.mask(name=mask)
+        bpy.ops.paradesc.bake()
+        radius = record.read(target.data)["settings"]["radius"]
+        assert radius == pytest.approx(0.03 if member == "radius_percent" else 3.0)
+    bpy.ops.paradesc.fit_radius()
+    assert group.radius_fit == "medium"
+
+
+def test_a_typed_radius_below_the_edges_gets_a_button_below_its_warning():
     add_sphere(steps=2)
+    bpy.context.scene.paradesc.radius_percent = 2.0
     bpy.ops.paradesc.bake()
     stored = record.read(bpy.context.active_object.data)
     assert "values show facets" in stored["warnings"]
     assert stored["field_report"]["radius"] < stored["mesh_report"]["mean_edge"]  # which the panel looks at
     bpy.ops.paradesc.fit_radius()
     bpy.ops.paradesc.bake()
-    stored = record.read(bpy.context.active_object.data)
-    assert stored["warnings"] == ""
-    assert stored["field_report"]["radius"] > stored["mesh_report"]["mean_edge"]
+    assert record.read(bpy.context.active_object.data)["warnings"] == ""
 
 
 def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
@@ -221,7 +269,7 @@ def test_a_recovered_file_keeps_the_defaults_of_today(before, tmp_path):
     path = saved_scene(tmp_path / "recovered.blend")
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene = bpy.context.scene
-    assert (scene.paradesc.descriptors, scene.paradesc.texels) == ({"cavity"}, 1024)
+    assert (scene.paradesc.descriptors, scene.paradesc.texels) == ({"cavity", "convexity"}, 1024)
     assert scene.paradesc_animation.source == "auto"
 
 
@@ -229,5 +277,5 @@ def test_a_new_file_keeps_its_own(tmp_path):
     bpy.context.scene.paradesc.samples = 64
     bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "new.blend")))
     scene = bpy.context.scene
-    assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity"})
+    assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity", "convexity"})
     assert scene.paradesc_animation.source == "auto"

@@ -280,7 +280,8 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
             refusals += 1
         else:
             preset_members.apply(bpy.context.scene, found)
-            preset_members.apply(bpy.context.scene, preset_file.Content("all", settings={}, colors={}))
+            whole = preset_file.Content("all", settings={"radius_fit": "medium"}, colors={})
+            preset_members.apply(bpy.context.scene, whole)
             for name in members.output_members():
                 bpy.context.scene.paradesc.property_unset(name)
             measure_curvature()

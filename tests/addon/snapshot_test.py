@@ -71,15 +71,11 @@ def test_a_mask_chooses_its_descriptors_and_leaves_all_else(target):
     assert (scene.paradesc.samples, scene.paradesc.radius_percent) == (999, 4.0)
 
 
-def test_a_mask_brings_its_radius_where_nobody_has_chosen_one(target):
+def test_a_mask_leaves_the_unit_and_a_typed_radius(target):
     settings = bpy.context.scene.paradesc
-    settings.property_unset("descriptors")
-    for name, radius in (("edge_wear", 1.5), ("openness", 5.0), ("cavity", 2.0)):
-        bpy.ops.paradesc.mask(name=name)
-        assert settings.radius_percent == radius
-    settings.radius_unit = "absolute"
+    settings.radius_unit, settings.radius_absolute = "absolute", 2.0
     bpy.ops.paradesc.mask(name="openness")
-    assert (settings.radius_unit, settings.radius_percent) == ("absolute", 2.0)
+    assert (settings.radius_unit, settings.radius_absolute, settings.radius_fit) == ("absolute", 2.0, "typed")
 
 
 def test_settings_of_a_file_that_is_gone_are_brought_to_no_other(target):

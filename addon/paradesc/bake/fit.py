@@ -1,18 +1,27 @@
-"""The radius of the panel as an option of operators, and fitted to the active mesh, whose triangles it has to span."""
+"""The radius of the panel as an option of operators, and fitted to the active mesh."""
+
+import math
 
 import bpy
-import numpy as np
 
-from ..bridge import MeshArrays, ParadescError
-from ..core import advice
+from ..bridge import ParadescError
+from ..core import advice, job, members
 from ..scene import targets
-from ..scene.mesh_io import refuse
 from ..settings import properties, translation
+
+PANEL = ("panel", "As Set", "What the panel has")
 
 
 class RadiusOption:
     """An operator with a radius of its own, which Blender's redo panel changes and which then is the sidebar's too."""
 
+    fit: bpy.props.EnumProperty(
+        name="Radius from Mesh",
+        description="Fit the radius to the mesh and the mask, or take the one below",
+        items=[PANEL, *members.FITS],
+        default=PANEL[0],
+        options={"SKIP_SAVE"},
+    )
     radius: bpy.props.FloatProperty(
         name="Radius",
         description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box; 0: as the "
@@ -25,31 +34,32 @@ class RadiusOption:
         subtype="PERCENTAGE",
         options={"SKIP_SAVE"},
     )
+    shown_radius: bpy.props.FloatProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     def take_radius(self, group: bpy.types.PropertyGroup) -> None:
-        """Sets the panel's radius if one was given, else shows the panel's."""
-        if self.radius > 0:
+        """Sets the panel's radius to the one that was given: by number, else by size."""
+        if self.radius > 0 and not math.isclose(self.radius, self.shown_radius, rel_tol=1e-6):
             group.radius_unit, group.radius_percent = "diagonal", self.radius
-        elif group.radius_unit == "diagonal":
-            self.radius = group.radius_percent
+        elif self.fit != PANEL[0]:
+            group.radius_fit = self.fit
 
-
-def lengths_of(arrays: MeshArrays) -> tuple[float, float]:
-    """The mean edge length and the diagonal of the bounding box, of what has faces."""
-    if not len(arrays.triangle_vertices) or not np.isfinite(arrays.positions[arrays.triangle_vertices]).all():
-        raise refuse("The mesh has no faces to fit the radius to, or a position that is no number.")
-    edge, diagonal = advice.mean_edge_and_diagonal(arrays)
-    if not diagonal > 0:
-        raise refuse("The mesh is a single point, so there is no radius that fits it.")
-    return edge, diagonal
+    def show_radius(self, group: bpy.types.PropertyGroup) -> None:
+        """Shows the panel's radius, which the bake may have fitted."""
+        self.fit = group.radius_fit
+        if group.radius_unit == "diagonal":
+            self.radius = self.shown_radius = group.radius_percent
 
 
 class PARADESC_OT_fit_radius(bpy.types.Operator):
-    """Set the radius to what suits the active mesh: at least two edges, to see the surface and not its faces"""
+    """Fit the radius to the mesh and the mask again, instead of one that was typed"""
 
     bl_idname = "paradesc.fit_radius"
     bl_label = "Fit to Mesh"
     bl_options = {"REGISTER", "UNDO"}
+
+    size: bpy.props.EnumProperty(
+        name="Size", description="The size of what is measured", items=members.FITS[:3], default="medium"
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -60,16 +70,19 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Reads the mesh by its source, and sets the radius in percent of the diagonal."""
+        """Reads the mesh by its source, and shows the radius that the next bake will have."""
         group, target = context.scene.paradesc, targets.chosen(context)[0]
         request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source, placing=False)
         try:
-            edge, diagonal = lengths_of(targets.read(target, properties.job_settings(group), request).measured)
+            settings = properties.job_settings(group)
+            arrays = targets.read(target, settings, request).measured
+            radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, self.size)
         except ParadescError as error:
             self.report({"ERROR"}, error.sentence)
             return {"CANCELLED"}
-        group.radius_unit, group.radius_percent = "diagonal", 100 * advice.fitting_radius(edge, diagonal)
-        shares = {"radius": f"{group.radius_percent:.3g}", "edge": f"{100 * edge / diagonal:.2g}"}
+        group.radius_fit = self.size
+        properties.show_radius(group, job.fitted(properties.job_settings(group), arrays))
+        shares = {"radius": f"{100 * radius / diagonal:.3g}", "edge": f"{100 * edge / diagonal:.2g}"}
         self.report({"INFO"}, translation.said("Radius {radius} %: the mean edge is {edge} %").format(**shares))
         return {"FINISHED"}
 

@@ -54,6 +54,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
             return {"CANCELLED"}
         keep_for_undo(context)
         batch.finish(context)
+        self.show_radius(context.scene.paradesc)
         report_all(self.report, batch, batch.written)
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failures(batch)))

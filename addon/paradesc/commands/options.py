@@ -150,6 +150,7 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         base,
         descriptors=names,
         options=replace(base.options, radius=radius, **given),
+        radius_fit="typed" if arguments.radius else base.radius_fit,
         backend=given_or(arguments, "backend", base.backend),
         device_index=given_or(arguments, "device", base.device_index),
         more_radii=tuple(more),
@@ -201,7 +202,7 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     """The open scene with the panels' settings, which are in the .blend whether or not the add-on is enabled."""
     import bpy
 
-    from ..settings import animation, leaving, looks, properties
+    from ..settings import animation, leaving, looks, migrations, properties
 
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene
@@ -214,6 +215,7 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     for module in modules:
         module.register()
     try:
+        migrations.on_load()
         yield bpy.context.scene
     finally:
         for module in modules:

@@ -1,5 +1,7 @@
 """Suggests a radius and a buffer that suit a mesh, by its report and its UV map. Never imports bpy."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from .. import bridge
@@ -8,6 +10,14 @@ from .. import bridge
 # a neighborhood.
 RADIUS_IN_EDGES = 2.0
 LARGEST_RADIUS = 0.25
+# A mask sees the smallest detail at a radius of one and a half edges. Of dense meshes it is at half a percent of the diagonal;
+# on coarse ones what bends within more than four percent is most of the surface.
+MASK_RADIUS_IN_EDGES, LEAST_MASK_RADIUS, LARGEST_MASK_RADIUS = 1.5, 0.005, 0.04
+# Larger or smaller masks, and openness, which looks at the space around. A radius below the mean edge shows facets.
+SIZES = {"fine": 0.6, "medium": 1.0, "broad": 2.5}
+MASKS = {"cavity": 1.0, "convexity": 1.0, "ambient_openness": 4.0}
+# So many triangles tell the mean edge.
+ENOUGH_TRIANGLES = 100_000
 USUAL_RADIUS = bridge.Options().radius
 LEAST_TEXELS = 4.0
 BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
@@ -45,9 +55,12 @@ def stretches(corners: np.ndarray, uvs: np.ndarray) -> np.ndarray:
     return half + np.sqrt(np.maximum(half**2 - 1, 0))
 
 
-def mean_edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:
-    """The mean edge length of the triangles, and the diagonal of the box of what they use; there has to be one."""
-    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
+def mean_edge_and_diagonal(arrays: bridge.MeshArrays, triangles: np.ndarray | None = None) -> tuple[float, float]:
+    """The mean edge length of the triangles, and the diagonal of the box of what they use; there has to be one.
+
+    triangles: (n, 3) vertices of those that are looked at, if not all are.
+    """
+    corners = arrays.positions[arrays.triangle_vertices if triangles is None else triangles].astype(np.float64)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     return float(edges.mean()), float(np.linalg.norm(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))))
 
@@ -58,9 +71,49 @@ def double_areas(corners: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
+def areas_of_vertices(arrays: bridge.MeshArrays) -> np.ndarray:
+    """(vertex_count,) float64: a third of the areas of the triangles at each vertex."""
+    corners = arrays.triangle_vertices
+    areas = np.repeat(double_areas(arrays.positions[corners]) / 6, 3)
+    return np.bincount(corners.reshape(-1), weights=areas, minlength=len(arrays.positions))
+
+
 def fitting_radius(mean_edge: float, diagonal: float) -> float:
     """A radius that sees the surface, as a share of the diagonal: the usual one unless triangles are large."""
     return float(f"{min(max(USUAL_RADIUS, RADIUS_IN_EDGES * mean_edge / diagonal), LARGEST_RADIUS):.3g}")
+
+
+def fitted_radius(arrays: bridge.MeshArrays, descriptors: Collection[str], size: str) -> tuple[float, float, float]:
+    """The radius that suits a mesh, what is measured and a size of SIZES; the mean edge; the diagonal: all lengths.
+
+    Masks alone have small radii; whatever else is asked for gets the usual one, unless triangles are large.
+    """
+    every = arrays.triangle_vertices
+    if not len(every) or not np.isfinite(arrays.positions[every]).all():
+        raise bridge.InputError("The mesh has no faces to fit the radius to, or a position that is no number.")
+    edge, diagonal = mean_edge_and_diagonal(arrays, every[:: 1 + len(every) // ENOUGH_TRIANGLES])
+    if not diagonal > 0:
+        raise bridge.InputError("The mesh is a single point, so there is no radius that fits it.")
+    if not descriptors or not set(descriptors) <= MASKS.keys():
+        usual = fitting_radius(edge, diagonal) * diagonal
+        return SIZES[size] * usual, edge, diagonal
+    own = MASK_RADIUS_IN_EDGES * edge / diagonal
+    share = min(max(own, LEAST_MASK_RADIUS), LARGEST_MASK_RADIUS)
+    sized = SIZES[size] * max(MASKS[name] for name in descriptors) * share
+    least = min(edge / diagonal, share)
+    return float(f"{max(sized, least):.3g}") * diagonal, edge, diagonal
+
+
+def share_of_large_faces(positions: np.ndarray, triangles: np.ndarray, creases: np.ndarray) -> float:
+    """The share of the area in (n, 3) triangles all of whose corners lie on creases, (k, 2) vertices each.
+
+    Values at vertices cannot show such a mask: whatever is true of the edge is painted over the whole face.
+    """
+    on_crease = np.zeros(len(positions), bool)
+    on_crease[creases.reshape(-1)] = True
+    areas = double_areas(positions[triangles])
+    total = float(areas.sum())
+    return float(areas[on_crease[triangles].all(axis=1)].sum()) / total if total > 0 else 0.0
 
 
 def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:

@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from .. import bridge
 from ..bridge import ParadescError, abi
-from .color_maps import Look
+from .color_maps import Levels, Look
 from .job import Settings
 
 # Digits of a percentage that a person wrote. A 32-bit float of the panel that has more stays what it is.
@@ -73,6 +73,7 @@ def settings_of(group: object, memory_limit: int = 0) -> Settings:
         more_radii=more_radii(group),
         corner_threshold=share(group.corner_threshold),
         space=group.space,
+        radius_fit=group.radius_fit,
         memory_limit=memory_limit,
     )
 
@@ -93,4 +94,5 @@ def look_of(group: object) -> Look:
         ranges={"": (group.minimum, group.maximum)} if fixed else {},
         symmetric=group.symmetric,
         neutral=group.neutral if group.use_neutral else None,
+        levels=Levels(group.contrast, group.brightness, group.invert),
     )

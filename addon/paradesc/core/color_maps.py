@@ -6,7 +6,7 @@ Björn Ottosson's OKLab space (public domain): lightness changes evenly, and in 
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,8 +36,9 @@ AUTOMATIC = "auto"
 SEQUENTIAL, DIVERGING, GREY = "viridis", "blue-red", "grey"
 # Artists multiply these with other colors, so they are grey unless another map is asked for.
 MASKS = {"cavity", "convexity", "ambient_openness"}
-# White is at least this share of the range of a mask, so that what is nearly flat stays nearly black.
-LEAST_WHITE = 0.2
+# White in a mask is the 98th percentile of what is not black, or less: this percentage of the surface is brighter than half
+# of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
+NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.02, 98.0, 4.0, 0.1
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,24 @@ class ColorMap:
 
 
 @dataclass(frozen=True)
+class Levels:
+    """Changes places in a color map, as image editors do: to (n,) shares in [0, 1]."""
+
+    contrast: float = 0.0  # from -1, all is the middle, to 1, all is black or white
+    brightness: float = 0.0  # from -1 to 1: the exponent of a sequential map is 4 to 1/4
+    invert: bool = False
+
+    def applied(self, shares: np.ndarray, diverging: bool) -> np.ndarray:
+        """(n,) shares; the middle of a diverging map stays where it is."""
+        if self.brightness and not diverging:
+            shares = shares ** 4.0**-self.brightness
+        if self.contrast:
+            gain = math.tan(math.pi / 4 * (1 + min(max(self.contrast, -1.0), 0.999)))
+            shares = np.clip(0.5 + gain * (shares - 0.5), 0.0, 1.0)
+        return 1.0 - shares if self.invert else shares
+
+
+@dataclass(frozen=True)
 class ValueRange:
     """The values at the two ends of a color map, and which map it is."""
 
@@ -61,6 +80,7 @@ class ValueRange:
     diverging: bool
     neutral: float | None = None  # the middle of a diverging map shows it; without one, halfway
     map_name: str = AUTOMATIC
+    levels: Levels = Levels()
 
     @property
     def color_map(self) -> ColorMap:
@@ -71,9 +91,9 @@ class ValueRange:
         """Turns (n,) finite values into places in the color map: a diverging one changes equally fast on both sides."""
         held = np.clip(values, self.minimum, self.maximum)
         if not self.color_map.diverging or self.neutral is None:
-            return (held - self.minimum) / (self.maximum - self.minimum)
+            return self.levels.applied((held - self.minimum) / (self.maximum - self.minimum), False)
         half = max(self.maximum - self.neutral, self.neutral - self.minimum)
-        return 0.5 + 0.5 * (held - self.neutral) / half
+        return self.levels.applied(0.5 + 0.5 * (held - self.neutral) / half, True)
 
 
 @dataclass(frozen=True)
@@ -85,6 +105,7 @@ class Look:
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)  # fixed ones by descriptor; "": of all others
     symmetric: bool = True  # of signed descriptors, by percentiles: about the neutral value
     neutral: float | None = None  # instead of the descriptor's own
+    levels: Levels = Levels()
 
     def fixed(self, descriptor: Descriptor) -> tuple[float, float] | None:
         """The range asked for, if there is one."""
@@ -149,6 +170,11 @@ def line(start: tuple[float, float, float], end: tuple[float, float, float]) -> 
     return function
 
 
+def value_itself(share: np.ndarray) -> np.ndarray:
+    """(n,) in [0, 1] to (n, 3) display colors whose scene-linear ones are the shares: shaders read the mask's value."""
+    return np.repeat(linear_to_srgb(np.asarray(share, np.float64))[:, None], 3, axis=1)
+
+
 def heat(share: np.ndarray) -> np.ndarray:
     """(n,) in [0, 1] to (n, 3) display colors: black, red, orange, yellow, white."""
     share = np.asarray(share, np.float64)
@@ -176,7 +202,8 @@ MAPS = {
         ColorMap("heat", "Heat", "Black, red, yellow, white: dark to light", False, heat),
         ColorMap("blue-yellow", "Blue to Yellow", "Told apart with any color vision: dark to light", False,
             line((0.25, 0.09, 262.0), (0.95, 0.11, 100.0)), UNDEFINED_IN_GREY),
-        ColorMap(GREY, "Grey", "Black to white", False, line((0.12, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
+        ColorMap(GREY, "Grey", "Black to white: the value itself as light, as shaders read it", False, value_itself,
+            UNDEFINED_IN_GREY),
         ColorMap(DIVERGING, "Blue, White, Red", "Light in the middle, dark ends", True,
             two_sided(0.97, 0.45, 0.175, (262.0, 25.0))),
         ColorMap("purple-green", "Purple, White, Green", "Light in the middle, dark ends", True,
@@ -192,15 +219,24 @@ MAPS = {
 # ---- Range
 
 
-def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look: Look | None = None) -> ValueRange:
-    """The range to show for (n,) values: that of the look, else the registry's if it has one, else percentiles."""
+def value_range(
+    values: np.ndarray,
+    descriptor: Descriptor,
+    radius: float,
+    look: Look | None = None,
+    areas: np.ndarray | None = None,
+) -> ValueRange:
+    """The range to show for (n,) values: that of the look, else the registry's if it has one, else percentiles.
+
+    areas: (n,) how much of the surface each value stands for; None: the same.
+    """
     look = look or Look()
     neutral = neutral_value(descriptor, look)
     bounds = look.fixed(descriptor)
     if bounds is None and look.percentile is None and math.isfinite(descriptor.display_minimum):
         bounds = (descriptor.display_minimum, descriptor.display_maximum)
         if descriptor.name in MASKS:
-            bounds = (bounds[0], strong(values, *bounds))
+            bounds = (bounds[0], strong(values, areas, *bounds))
     if bounds is None:
         percentile = CLIPPED_PERCENT if look.percentile is None else look.percentile
         bounds = percentiles(values, percentile)
@@ -209,14 +245,40 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look:
     low, high = map(float, bounds)
     if not high > low:
         high = low + (abs(low) or 1.0)
-    return ValueRange(low, high, descriptor.is_signed, neutral, map_name(descriptor, look))
+    return ValueRange(low, high, descriptor.is_signed, neutral, map_name(descriptor, look), look.levels)
 
 
-def strong(values: np.ndarray, low: float, high: float) -> float:
-    """The value that is white in a mask: nearly the largest, unless there is next to nothing to see."""
-    finite = values[np.isfinite(values)]
-    largest = float(np.percentile(finite, 100 - CLIPPED_PERCENT / 2)) if finite.size else high
-    return min(max(largest, low + LEAST_WHITE * (high - low)), high)
+def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[np.ndarray]]]) -> Look:
+    """The look with the range that all meshes together have, of each descriptor with its radius and their values."""
+    if look.ranges:
+        return look
+    ranges = {}
+    for descriptor, radius, values in baked:
+        shown = value_range(np.concatenate(values), descriptor, radius, look)
+        ranges[descriptor.name] = (shown.minimum, shown.maximum)
+    return replace(look, ranges=ranges)
+
+
+def strong(values: np.ndarray, areas: np.ndarray | None, low: float, high: float) -> float:
+    """The value that is white in a mask."""
+    defined = np.isfinite(values)
+    shares = (values[defined].astype(np.float64) - low) / (high - low)
+    weights = np.ones(len(shares)) if areas is None else areas[defined]
+    seen = shares > NOT_BLACK
+    white = min(
+        quantile(shares[seen], weights[seen], WHITE_PERCENTILE), 2 * quantile(shares, weights, 100 - BRIGHT_PERCENT)
+    )
+    return low + float(np.clip(white, LEAST_WHITE, 1.0)) * (high - low)
+
+
+def quantile(values: np.ndarray, weights: np.ndarray, percent: float) -> float:
+    """The percentile of (n,) values with weights; 0 if there is nothing."""
+    total = float(weights.sum())
+    if not total > 0:
+        return 0.0
+    order = np.argsort(values)
+    reached = np.cumsum(weights[order])
+    return float(values[order][min(np.searchsorted(reached, percent / 100 * reached[-1]), len(values) - 1)])
 
 
 def map_name(descriptor: Descriptor, look: Look) -> str:

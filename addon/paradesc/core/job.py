@@ -8,8 +8,8 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import contexts, mesh_faults
-from .color_maps import Look, ValueRange, value_range
+from . import advice, contexts, mesh_faults
+from .color_maps import MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
@@ -20,6 +20,8 @@ NUMBER = re.compile(r"_\d+$")
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
 
+# What the radius of settings is that has been fitted to a mesh.
+FITTED = "fitted"
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
@@ -38,6 +40,7 @@ class Settings:
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
+    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitted() finds the radius; then "fitted"
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
     threads: int = 0  # 0: all cores; neither in as_dict()
 
@@ -102,6 +105,7 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
+    areas: np.ndarray | None = None  # (vertex_count,) float64 of the surface around each vertex, if masks are among them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
     tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
@@ -119,8 +123,9 @@ class Results:
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
-        values = self.values[name] if self.transfer is None else self.transfer.measured[name]
-        return value_range(values, registry_row(name), self.radius_of(name), self.look)
+        own = self.transfer is None
+        values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
+        return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -163,7 +168,7 @@ class Results:
         """Warns of what the mesh lacks, and if values show facets as the smallest radius is below the mean edge."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
-        if least >= edge:
+        if least >= edge or self.settings.radius_fit == FITTED:
             return self.shape_notes
         share = f"{least / edge:.2g}"
         facets = f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."
@@ -231,8 +236,18 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
+    settings = fitted(settings, arrays)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
         return run_on(context, mesh, arrays, settings, progress, with_buffers)
+
+
+def fitted(settings: Settings, arrays: bridge.MeshArrays) -> Settings:
+    """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
+    if settings.radius_fit not in advice.SIZES:
+        return settings
+    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit)
+    unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
+    return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
@@ -286,6 +301,8 @@ def run_on(
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+    if MASKS & set(settings.descriptors):
+        results.areas = advice.areas_of_vertices(arrays)
     add_corners(results, arrays, progress)
     return results
 

@@ -30,6 +30,12 @@ RADIUS_UNITS = [
     ("absolute", "Length", "A length of the mesh before the object's scale, or of the scene where World is measured"),
     ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
 ]
+FITS = [
+    ("fine", "Fine", "The smallest detail that the mesh has"),
+    ("medium", "Medium", "What suits most masks: one and a half edges, or 0.5 % of a dense mesh"),
+    ("broad", "Broad", "Large forms"),
+    ("typed", "Typed", "The radius as it was typed"),
+]
 SPACES = [
     ("object", "Object", "The mesh as it is stored, before the object's scale"),
     (
@@ -113,7 +119,8 @@ SPANS = [
     ("percentile", "Percentiles", "All values but a percentage on either side"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),
 ]
-DEFAULT_DESCRIPTOR = "cavity"
+# The first click gives both masks: one of them suits any mesh, and worn materials take both.
+DEFAULT_DESCRIPTORS = {"cavity", "convexity"}
 HIGHEST_BIT = 30  # the highest bit of positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
@@ -159,7 +166,7 @@ def descriptor_members() -> dict[str, Member]:
             "choices", name="Descriptors",
             description="What to compute, any number of them: several cost little more than one",
             items=items,
-            default={default_of(items, DEFAULT_DESCRIPTOR)},
+            default=DEFAULT_DESCRIPTORS & {item[0] for item in items} or {items[0][0]},
         ),
         "map_descriptor": member(
             "choice", name="Map Descriptor",
@@ -206,6 +213,11 @@ def neighborhood_members() -> dict[str, Member]:
         ),
         "radius_unit": member(
             "choice", name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
+        ),
+        "radius_fit": member(
+            "choice", name="Radius from Mesh",
+            description="Each bake fits the radius to the mesh and the mask; typing a radius keeps that one",
+            items=FITS, default="medium",
         ),
         "more_radii": member(
             "text", name="More Radii",
@@ -380,6 +392,22 @@ def color_members() -> dict[str, Member]:
             "float", name="Maximum",
             description="The value at the upper end, in the descriptor's unit",
             default=1.0, precision=4,
+        ),
+        "contrast": member(
+            "float", name="Contrast", description="Steepens the mask about its middle; no bake is needed",
+            default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
+        ),
+        "brightness": member(
+            "float", name="Brightness", description="Lifts or lowers the middle of the mask; black and white stay",
+            default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
+        ),
+        "invert": member(
+            "bool", name="Invert", description="Exchange black and white", default=False
+        ),
+        "same_scale": member(
+            "bool", name="Same Scale",
+            description="Meshes that are selected together share one range, so that equal shades are equal values",
+            default=False,
         ),
         "use_neutral": member(
             "bool", name="Own Neutral Value",

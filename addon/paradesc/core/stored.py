@@ -79,6 +79,12 @@ def drawn(value: object) -> dict[str, dict[str, object]]:
         "neutral": is_number,
         "radius": is_number,
         "unit": lambda given: isinstance(given, str),
+        "automatic": lambda given: bool(ranges({"": given})),
+        "contrast": is_number,
+        "brightness": is_number,
+        "invert": lambda given: isinstance(given, (bool, int)),
+        "dark": is_number,
+        "bright": is_number,
     }
     return {
         name: {word: row[word] for word, good in sound.items() if word in row and good(row[word])}

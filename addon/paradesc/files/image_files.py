@@ -104,7 +104,7 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    settings, tiling = choice.settings(settings), udim.of_mesh(arrays)
+    settings, tiling = job.fitted(choice.settings(settings), arrays), udim.of_mesh(arrays)
     exact = settings.options.evaluate == "texel"
     in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, settings, choice.size, exact)
     computing, drawing = shares(progress, in_turn)
@@ -124,7 +124,7 @@ def run_onto(
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
     tiling = udim.of_mesh(low.arrays)
     computing, drawing = shares(progress, bool(tiling.tiles))
-    settings = choice.settings(settings)
+    settings = job.fitted(choice.settings(settings), highs[0].arrays)
     results = transfer.run(low, highs, settings, choice.size, cage, computing, tiling.tiles)
     return packed(stem, results, low.arrays, choice, drawing, tiling)
 

@@ -39,27 +39,28 @@ class Preset:
         return Content(self.label, self.purpose, settings, self.colors, self.image)
 
 
+FITTED = {"radius_fit": "medium"}
 # The first four are masks, which stand at the top of the panel.
 PRESETS = {
     "cavity": Preset(
         "Cavity",
         "Grooves and dents, from 0 to 1: a mask for dirt, or to darken a color with",
-        {"descriptors": {"cavity"}, "radius_percent": 2.0, "samples": 128},
+        {"descriptors": {"cavity"}, **FITTED},
     ),
     "edge_wear": Preset(
         "Edge Wear",
         "Edges and tips that stand out, from 0 to 1: a mask for worn paint or bare metal",
-        {"descriptors": {"convexity"}, "radius_percent": 1.5, "samples": 128},
+        {"descriptors": {"convexity"}, **FITTED},
     ),
     "curvature": Preset(
         "Curvature",
         "Mean and Gaussian curvature, with sign: where and how strongly the surface bends",
-        {"descriptors": {"mean_curvature", "gaussian_curvature"}, "radius_percent": 2.0},
+        {"descriptors": {"mean_curvature", "gaussian_curvature"}, **FITTED},
     ),
     "openness": Preset(
         "Openness",
         "How open the space around each point is, 0.5 on a plane: a mask for dust, or for soft light and shade",
-        {"descriptors": {"ambient_openness"}, "radius_percent": 5.0},
+        {"descriptors": {"ambient_openness"}, **FITTED},
     ),
     "shape_classes": Preset(
         "Shape Classes",
@@ -94,7 +95,10 @@ def image_members() -> dict[str, Member]:
 
 def rules() -> Rules:
     """What each member of each section may be."""
-    found = {"settings": setting_members(), "colors": members.color_members(), "image": image_members()}
+    settings = setting_members()
+    # A preset has the radius that it says, or the usual one: those of earlier versions do not know any other.
+    settings["radius_fit"] = replace(settings["radius_fit"], words={**settings["radius_fit"].words, "default": "typed"})
+    found = {"settings": settings, "colors": members.color_members(), "image": image_members()}
     return {section: {name: rule_of(one) for name, one in there.items()} for section, there in found.items()}
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps, uv_faults
+from ..core.advice import double_areas
 from ..core.job import Results, registry_name
 from . import modes, ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
@@ -204,8 +205,13 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
         make_attributes(mesh, names)
         layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         shown = {name: results.shown(name) for name in results.values}
+        seen = {name: extremes(mesh, values, shown[name]) for name, values in results.values.items()}
         write_values(mesh, results, shown, at)
-        drawn = {at[name]: record.drawing_of(shown[name], results, name) for name in shown}
+        show(mesh, at[most_telling(seen)])
+        drawn = {
+            at[name]: record.drawing_of(shown[name], results, name) | automatic(shown[name], results.look) | seen[name]
+            for name in shown
+        }
         ranges = {at[name]: span for name, span in shown.items()}
         record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
         ownership.leave(mesh, names)
@@ -245,10 +251,51 @@ def write_values(
         write_colors(mesh, at[name], values, shown[name])
     for name, values in results.extras.items():
         set_values(mesh.attributes[at[name]], values)
-    first = at[next(iter(results.values))] + "_color"
+
+
+def show(mesh: bpy.types.Mesh, name: str) -> None:
+    """Makes the colors of a descriptor's values the active ones, in the viewport and for rendering."""
     colors = mesh.color_attributes
-    colors.active_color = colors[first]
-    colors.render_color_index = colors.find(first)
+    colors.active_color = colors[f"{name}_color"]
+    colors.render_color_index = colors.find(f"{name}_color")
+
+
+def most_telling(seen: dict[str, dict[str, float]]) -> str:
+    """The first of the values, by what extremes() gives; a mask that is black nearly everywhere gives way to another."""
+    first = next(iter(seen))
+    if seen[first].get("dark", 0.0) <= DARKEST:
+        return first
+    return min((name for name in seen if seen[name]), key=lambda name: seen[name]["dark"])
+
+
+def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
+    """The range of a bake for recoloring, if it was not asked for."""
+    return {} if look.ranges or look.percentile is not None else {"automatic": [shown.minimum, shown.maximum]}
+
+
+# What is nearly black and nearly white, as shares of the color map; so many faces tell how much of the mesh is.
+# A mask of which more than DARKEST is nearly black shows little.
+DARK, BRIGHT, DARKEST, ENOUGH_FACES = 0.05, 0.95, 0.8, 100_000
+
+
+def extremes(mesh: bpy.types.Mesh, values: np.ndarray, shown: color_maps.ValueRange) -> dict[str, float]:
+    """About which shares of the area a mask shows nearly black and nearly white; {} of what is no mask.
+
+    Each face counts by its first three corners.
+    """
+    if values.ndim == 2 or shown.color_map.diverging:
+        return {}
+    starts = read_array(mesh.polygons, "loop_start", np.int32)[:: 1 + len(mesh.polygons) // ENOUGH_FACES]
+    corners = read_corner_vertices(mesh)[starts[:, None] + np.arange(3)]
+    corners = corners[np.isfinite(values[corners]).all(axis=1)]
+    areas = double_areas(read_positions(mesh)[corners])
+    if not areas.sum() > 0:
+        return {}
+    places = shown.shares(values[corners])
+    return {
+        "dark": float(np.average((places < DARK).mean(axis=1), weights=areas)),
+        "bright": float(np.average((places > BRIGHT).mean(axis=1), weights=areas)),
+    }
 
 
 def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: color_maps.ValueRange) -> None:

@@ -4,6 +4,7 @@ Bakes, live frames and recoloring all write it by write().
 """
 
 from collections.abc import Iterable
+from dataclasses import asdict
 
 import bpy
 
@@ -97,6 +98,7 @@ def drawing(shown: ValueRange) -> dict[str, object]:
     return {
         "map": shown.map_name,
         "diverging": shown.diverging,
+        **asdict(shown.levels),
         **({} if shown.neutral is None else {"neutral": shown.neutral}),
     }
 

@@ -30,7 +30,7 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
 
 
 def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Recolors live values at once; baked values wait for Recolor."""
+    """Lets those know who show values in these colors."""
     for listener in LISTENERS:
         listener(group.id_data)
 
@@ -49,6 +49,10 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
     symmetric: of_color("symmetric")
     minimum: of_color("minimum")
     maximum: of_color("maximum")
+    contrast: of_color("contrast")
+    brightness: of_color("brightness")
+    invert: of_color("invert")
+    same_scale: of_color("same_scale")
     use_neutral: of_color("use_neutral")
     neutral: of_color("neutral")
     show_legend: bpy.props.BoolProperty(

@@ -6,8 +6,9 @@ from bpy.app.handlers import persistent
 from ..core import source_kinds
 from .properties import VERSION
 
-# Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise.
-FORMER_DESCRIPTOR, FORMER_TEXELS = "mean_curvature", 512
+# Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise; those before
+# version 2 measured one mask, at 2 % of the diagonal.
+FORMER_DESCRIPTORS, FORMER_TEXELS = ("mean_curvature", "cavity"), 512
 
 
 @persistent
@@ -33,14 +34,22 @@ def migrate(scene: bpy.types.Scene) -> None:
     group, animation = scene.paradesc, scene.paradesc_animation
     if group.version >= VERSION or not stores_any(group):
         return
-    known = group.bl_rna.properties["descriptors"].enum_items
-    if not group.is_property_set("descriptors") and FORMER_DESCRIPTOR in known:
-        group.descriptors = {FORMER_DESCRIPTOR}
+    former, known = FORMER_DESCRIPTORS[group.version], group.bl_rna.properties["descriptors"].enum_items
+    if group.version == 0:
+        keep_first_defaults(group, animation)
+    if not group.is_property_set("descriptors") and former in known:
+        group.descriptors = {former}
+    if not group.is_property_set("radius_fit"):
+        group.radius_fit = "typed"
+    group.version = VERSION
+
+
+def keep_first_defaults(group: bpy.types.PropertyGroup, animation: bpy.types.PropertyGroup) -> None:
+    """Stores the defaults that had no version yet."""
     if not group.is_property_set("texels"):
         group.texels = FORMER_TEXELS
     if not animation.is_property_set("source"):
         animation.source = source_kinds.ORIGINAL
-    group.version = VERSION
 
 
 def stores_any(group: bpy.types.PropertyGroup) -> bool:

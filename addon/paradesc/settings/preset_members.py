@@ -15,7 +15,7 @@ def apply(scene: bpy.types.Scene, content: Content) -> None:
     if content.settings is not None:
         for name in known["settings"]:
             scene.paradesc.property_unset(name)
-        set_members(scene.paradesc, content.settings, known["settings"])
+        set_members(scene.paradesc, {"radius_fit": "typed", **content.settings}, known["settings"])
     if content.colors is not None:
         whole = preset_file.completed(content.colors, known["colors"])
         set_members(scene.paradesc_looks, whole, known["colors"])
@@ -24,10 +24,11 @@ def apply(scene: bpy.types.Scene, content: Content) -> None:
 
 
 def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Rule]) -> None:
-    """Sets what differs."""
-    for name, value in preset_file.as_kept(values, known).items():
-        if getattr(group, name) != value:
-            setattr(group, name, value)
+    """Sets what differs; whether the radius is fitted goes last, because setting a radius means that it is not."""
+    kept = preset_file.as_kept(values, known)
+    for name in sorted(kept, key="radius_fit".__eq__):
+        if getattr(group, name) != kept[name]:
+            setattr(group, name, kept[name])
 
 
 def content_of(scene: bpy.types.Scene, name: str, purpose: str = "") -> Content:

@@ -1,6 +1,5 @@
 """Presets for common purposes, by one click each, the user's own, and those of a folder that a studio shares."""
 
-import math
 from pathlib import Path
 
 import bpy
@@ -19,9 +18,17 @@ chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
+def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
+    """The masks that are chosen; none if something else is chosen as well."""
+    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= group.descriptors]
+    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
+    return found if every == group.descriptors else []
+
+
 def chosen_mask(group: bpy.types.PropertyGroup) -> str:
-    """The mask whose descriptors are chosen, or ""."""
-    return next((name for name in MASKS if PRESETS[name].members["descriptors"] == group.descriptors), "")
+    """The only mask that is chosen, or ""."""
+    found = chosen_masks(group)
+    return found[0] if len(found) == 1 else ""
 
 
 def members() -> list[str]:
@@ -38,13 +45,9 @@ def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
 
 
 def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Chooses a mask: its descriptors, and its radius unless somebody has typed or fitted one. All else stays."""
-    former, preset = chosen_mask(group), PRESETS[name]
-    usual = PRESETS[former].members["radius_percent"] if former else group.bl_rna.properties["radius_percent"].default
-    untouched = group.radius_unit == "diagonal" and math.isclose(group.radius_percent, usual, rel_tol=1e-6)
+    """Chooses a mask; all else stays, a radius that was typed too. One that is fitted follows from the mask."""
+    preset = PRESETS[name]
     group.descriptors = preset.members["descriptors"]
-    if untouched:
-        group.radius_percent = preset.members["radius_percent"]
     show_chosen(preset.label)
     return preset
 

@@ -7,8 +7,10 @@ from ..core.job import Settings
 from ..core.members import Member
 from . import leaving, preferences
 
-# The defaults that a scene's settings were made with. Files before version 1 have none stored.
-VERSION = 1
+# The defaults that a scene's settings were made with: files before version 1 have none stored, and those before version 2
+# know no radius that follows from the mesh.
+VERSION = 2
+RADII = ("radius_percent", "radius_absolute", "radius_edges")
 PROPERTIES = {
     "bool": bpy.props.BoolProperty,
     "int": bpy.props.IntProperty,
@@ -39,7 +41,7 @@ def property_of(member: Member, **more: object) -> object:
 def make_settings() -> type:
     """Makes the class of the settings, with the registry as it is now."""
     every = [(name, member) for group in members.GROUPS for name, member in group().items()]
-    annotations = {name: property_of(member, update=stamp) for name, member in every}
+    annotations = {name: property_of(member, update=typed if name in RADII else stamp) for name, member in every}
     annotations["version"] = bpy.props.IntProperty(
         name="Version", description="The defaults that files were saved with", default=0, options={"HIDDEN"}
     )
@@ -54,6 +56,30 @@ def stamp(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """
     if group.version < VERSION:
         group.version = VERSION
+
+
+# The scene's radius is being set to what was fitted, which nobody has typed.
+showing: list[bool] = []
+
+
+def typed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Keeps a radius that somebody has typed, from one mesh to the next."""
+    stamp(group, context)
+    if not showing and group.radius_fit != "typed":
+        group.radius_fit = "typed"
+
+
+def show_radius(group: bpy.types.PropertyGroup, settings: Settings) -> None:
+    """Shows the radius that a bake has fitted; the next one still fits its own."""
+    options = settings.options
+    if group.radius_fit == "typed" or options.radius_unit != group.radius_unit:
+        return
+    showing.append(True)
+    try:
+        radius = 100 * options.radius if options.radius_unit == "diagonal" else options.radius
+        setattr(group, choices.radius_member(group), radius)
+    finally:
+        showing.clear()
 
 
 def job_settings(group: bpy.types.PropertyGroup) -> Settings:

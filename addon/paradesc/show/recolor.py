@@ -1,5 +1,8 @@
 """Shows what a bake left on a mesh in other colors, from the stored values, without computing anything again."""
 
+from contextlib import suppress
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
@@ -8,9 +11,11 @@ from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
 from ..scene import arrays, mesh_io, modes, ownership, record, viewports
-from ..settings import translation
+from ..settings import looks, translation
 
 Item = tuple[str, str, str]
+# What a record says of values, which other colors do not change.
+KEPT = ("radius", "unit", "automatic")
 
 
 def baked_names(mesh: bpy.types.Mesh) -> list[str]:
@@ -47,7 +52,11 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))
-    return color_maps.ValueRange(minimum, maximum, signed, drawn.get("neutral"), drawn.get("map", color_maps.AUTOMATIC))
+    levels = color_maps.Levels(
+        drawn.get("contrast", 0.0), drawn.get("brightness", 0.0), bool(drawn.get("invert", False))
+    )
+    map_name = drawn.get("map", color_maps.AUTOMATIC)
+    return color_maps.ValueRange(minimum, maximum, signed, drawn.get("neutral"), map_name, levels)
 
 
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
@@ -71,20 +80,16 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     stored = record.read(mesh)
     drawn = stored.get("drawn", {}).get(name, {})
     radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
+    found = drawn.get("automatic")
+    if found and not look.ranges and look.percentile is None and look.neutral is None:
+        look = replace(look, ranges={registry_name(name): tuple(found)})
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
-    drawn = {**record.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
+    drawn = {**record.drawing(shown), **mesh_io.extremes(mesh, values, shown), **{word: drawn[word] for word in KEPT if word in drawn}}
     record.write(mesh, {}, {name: shown}, {name: drawn})
     ownership.leave(mesh, [colors])
     mesh.update()
     return shown
-
-
-def show(mesh: bpy.types.Mesh, name: str) -> None:
-    """Makes a descriptor's colors the active ones, in the viewport and for rendering."""
-    attributes = mesh.color_attributes
-    attributes.active_color = attributes[f"{name}_color"]
-    attributes.render_color_index = attributes.find(f"{name}_color")
 
 
 def obstacle(context: bpy.types.Context) -> str:
@@ -162,6 +167,41 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
             recolor(mesh, name, choices.look_of(group))
 
 
+def on_look(scene: bpy.types.Scene) -> None:
+    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor."""
+    context = bpy.context
+    if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
+        return
+    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if item.mode != "EDIT"]
+    shown = [(item.data, name) for item in found if (name := shown_name(item.data))]
+    if scene.paradesc_looks.same_scale:
+        look = color_maps.with_one_scale(look, together(shown))
+    for mesh, name in shown:
+        if mesh.library is None:
+            with suppress(ParadescError):  # what was painted over stays, as a click on Recolor says
+                recolor(mesh, name, look)
+
+
+def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
+    """The values of several meshes by descriptor, with the radius of one of them."""
+    found: dict[str, tuple[bridge.Descriptor, float, list[np.ndarray]]] = {}
+    for mesh, name in shown:
+        if not is_direction(name):
+            row, radius = registry_row(name), record.read(mesh)["drawn"].get(name, {}).get("radius", 0.0)
+            found.setdefault(row.name, (row, radius, []))[2].append(stored_values(mesh, name))
+    return list(found.values())
+
+
+def register() -> None:
+    """Follows the colors of scenes."""
+    looks.LISTENERS.append(on_look)
+
+
+def unregister() -> None:
+    """Does so no more."""
+    looks.LISTENERS.remove(on_look)
+
+
 # Blender needs the strings of such items to stay alive.
 _items: list[Item] = []
 
@@ -187,7 +227,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes its colors the active ones on each mesh for which it was baked."""
         if self.name in baked_names(target.data):
-            show(target.data, self.name)
+            mesh_io.show(target.data, self.name)
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):
