@@ -51,7 +51,8 @@ def wear() -> bpy.types.NodeTree:
     place = g.vector("MULTIPLY", g.node("ShaderNodeTexCoord").outputs["Generated"], box)
     coarse = g.noise(place, scale, 10.0, 0.7)
     fine = g.noise(g.vector("ADD", place, (7.3, 1.9, 4.1)), g.math("MULTIPLY", scale, 2.2), 10.0, 0.7)
-    dirt = g.math("MULTIPLY", leveled(g, cavity, coarse, breakup, dirt_level, dirt_contrast, "Dirt"), dirt_amount)
+    softer = g.math("MULTIPLY", breakup, 0.6)  # dirt lies in spots, not in dashes along a hollow
+    dirt = g.math("MULTIPLY", leveled(g, cavity, coarse, softer, dirt_level, dirt_contrast, "Dirt"), dirt_amount)
     worn = leveled(g, edges, fine, breakup, edge_level, edge_contrast, "Wear")
     border = g.math("MULTIPLY", g.math("MULTIPLY", worn, g.math("SUBTRACT", 1.0, worn)), 4.0)
     worn = g.math("MULTIPLY", worn, edge_amount)
