@@ -5,7 +5,7 @@ Everything is still at the first frame and has its full strength at the last.
 
 import bpy
 
-from scene import add_socket
+from paradesc.scene.node_groups import add_socket
 
 FIRST, LAST = 1, 7
 CASES = {}
@@ -80,9 +80,9 @@ def hooked(target):
 def stretching_nodes(target):
     """Geometry nodes that stretch the mesh along z; gives their input as owner and name, and a socket behind it."""
     tree = bpy.data.node_groups.new("stretch", "GeometryNodeTree")
-    add_socket(tree, "Geometry", "Geometry")
-    add_socket(tree, "By", "Float")
-    add_socket(tree, "Geometry", "Geometry", output=True)
+    add_socket(tree, "Geometry", "geometry")
+    add_socket(tree, "By", "float")
+    add_socket(tree, "Geometry", "geometry", output=True)
     kinds = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeSetPosition", "GeometryNodeInputPosition")
     source, output, moved, place = map(tree.nodes.new, kinds)
     along, share = (tree.nodes.new("ShaderNodeVectorMath") for _ in range(2))

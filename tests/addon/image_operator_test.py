@@ -257,7 +257,7 @@ def test_packed_channels_are_a_file_of_their_own(run, report, sphere_obj, tmp_pa
     assert pixels.shape == (48, 48, 3)
     row = next(row for row in report()["maps"] if "channels" in row)
     assert [channel["descriptor"] for channel in row["channels"]] == list(image_files.PACKED)
-    assert (row["channels"][0]["minimum"], row["channels"][0]["maximum"]) == (0.0, 0.2)  # a sphere has no cavity
+    assert (row["channels"][0]["minimum"], row["channels"][0]["maximum"]) == (0.0, 0.05)  # a sphere has no cavity
 
 
 @pytest.mark.parametrize(

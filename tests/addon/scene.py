@@ -74,15 +74,6 @@ def fingerprint(target):
     )
 
 
-def add_socket(group, name, kind, *, output=False):
-    """Adds an input or output to a group, whose interface is another one since Blender 4."""
-    if hasattr(group, "interface"):
-        side = "OUTPUT" if output else "INPUT"
-        group.interface.new_socket(name=name, in_out=side, socket_type=f"NodeSocket{kind}")
-    else:
-        (group.outputs if output else group.inputs).new(f"NodeSocket{kind}", name)
-
-
 def select(*targets):
     """Selects these objects, the last one as the active one."""
     for item in bpy.context.view_layer.objects:

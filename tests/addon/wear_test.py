@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.settings import asset_library  # noqa: E402
-from paradesc.show import node_groups, passing, wear  # noqa: E402
+from paradesc.show import assets, passing, wear  # noqa: E402
 from scene import add_sphere, fingerprint, select  # noqa: E402
 from writers import node_tree  # noqa: E402
 
@@ -366,14 +366,14 @@ def test_noise_breaks_up_a_mask_of_one_value(target):
 # ---- Assets
 
 
-def assets():
+def listed():
     """The assets of the add-on's file, each with kind and name."""
     with bpy.data.libraries.load(str(asset_library.FILE), assets_only=True) as (there, _):
         return {("node_groups", name) for name in there.node_groups} | {("materials", name) for name in there.materials}
 
 
 def test_the_file_of_assets_has_looks_and_groups_and_is_small():
-    names = {name for _, name in assets()}
+    names = {name for _, name in listed()}
     assert {*wear.LOOKS.values(), wear.GROUP, "Curvature", "Paradesc Cavity"} <= names
     assert asset_library.FILE.stat().st_size < 300_000
 
@@ -396,7 +396,7 @@ def test_assets_are_described_in_a_catalog_that_is_there_and_have_thumbnails():
 
 
 def test_curvature_has_the_sockets_of_blenders_own_node():
-    group = node_groups.append("node_groups", "Curvature")
+    group = assets.append("node_groups", "Curvature")
     node = bpy.data.materials.new("any")
     node.use_nodes = True
     made = node.node_tree.nodes.new("ShaderNodeGroup")

@@ -17,7 +17,7 @@ from ..core.job import Results, Settings, needs_uvs, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
 from ..files.frame_baking import at_fixed_radii
-from ..scene import mesh_io, record, source_meshes, surface_maps
+from ..scene import carrying, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from ..settings.snapshot import identity
@@ -315,7 +315,8 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 
 def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found: int) -> bool:
     """Whether the modifiers in use keep the original vertices, and keep them first."""
-    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
+    shown = "show_render" if rendering else "show_viewport"
+    used = [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
     if any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in used):
         return False  # it may well make as many as it cuts away
     changing = [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]

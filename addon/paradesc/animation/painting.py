@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import arrays, mesh_io, ownership, record
+from ..scene import arrays, carrying, mesh_io, ownership, record
 from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
@@ -50,6 +50,7 @@ class Painter:
             self.ranges = ranges
             leave_record(mesh, values, ranges, self.at)
         ownership.forget(mesh, values.names(self.at))
+        carrying.release(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)

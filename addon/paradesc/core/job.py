@@ -1,7 +1,9 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 import re
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from operator import attrgetter
 from typing import Protocol
 
 import numpy as np
@@ -9,7 +11,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
 from . import advice, contexts, mesh_faults
-from .color_maps import MASKS, Look, ValueRange, value_range
+from .color_maps import EDGES, MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
@@ -20,6 +22,10 @@ NUMBER = re.compile(r"_\d+$")
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
 
+# Edges of thin parts are wider than the parts at a radius that suits the mesh elsewhere: it is halved so many times at most
+# where a mask is brighter than half on more than this share of the surface.
+HALVINGS, MOST_BRIGHT, WORTH_HALVING = 3, 0.4, 0.05
+NARROWED = ("fine", "medium")
 # What the radius of settings is that has been fitted to a mesh.
 FITTED = "fitted"
 # The attribute that marks vertices without a value.
@@ -106,6 +112,7 @@ class Results:
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
     areas: np.ndarray | None = None  # (vertex_count,) float64 of the surface around each vertex, if masks are among them
+    texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
     tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
@@ -125,6 +132,8 @@ class Results:
         """The range of values that the colors of a descriptor span."""
         own = self.transfer is None
         values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
+        if name in self.texel_values:
+            values, areas = self.texel_values[name], None
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
 
     @property
@@ -236,18 +245,57 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
+    sized = settings.radius_fit
     settings = fitted(settings, arrays)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-        return run_on(context, mesh, arrays, settings, progress, with_buffers)
+
+        def compute(chosen: Settings) -> Results:
+            return run_on(context, mesh, arrays, chosen, progress, with_buffers)
+
+        return narrowed(settings, compute, attrgetter("values")) if sized in NARROWED else compute(settings)
 
 
-def fitted(settings: Settings, arrays: bridge.MeshArrays) -> Settings:
+def fitted(
+    settings: Settings, arrays: bridge.MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS
+) -> Settings:
     """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
     if settings.radius_fit not in advice.SIZES:
         return settings
-    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit)
+    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit, largest)
     unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
     return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)
+
+
+def narrowed(
+    settings: Settings, compute: Callable[[Settings], Results], values_of: Callable[[Results], dict[str, np.ndarray]]
+) -> Results:
+    """What is computed with the radius that settings have been fitted with, or with half of it and so on.
+
+    A half is better where a mask is bright on less of the surface than before, which was too much.
+    """
+    results = compute(settings)
+    share = bright_share(results, values_of(results))
+    for _ in range(HALVINGS):
+        if share <= MOST_BRIGHT:
+            break
+        settings = replace(settings, options=replace(settings.options, radius=settings.options.radius / 2))
+        other = compute(settings)
+        less = bright_share(other, values_of(other))
+        if less > share - WORTH_HALVING:
+            break
+        results, share = other, less
+    return results
+
+
+def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
+    """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
+    found = [0.0]
+    for name in EDGES & values.keys():
+        areas = results.areas if values is results.values else np.ones(values[name].shape)
+        defined = np.isfinite(values[name])
+        total = float(areas[defined].sum())
+        found.append(float(areas[defined & (values[name] > 0.5)].sum()) / total if total > 0 else 0.0)
+    return max(found)
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:

@@ -11,6 +11,8 @@ from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
+# Objects with a surface that becomes one of a mesh object first.
+CONVERTIBLE = ("CURVE", "SURFACE", "FONT", "META")
 # In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -32,6 +34,32 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     return sorted(found, key=lambda item: item != active)
 
 
+def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected objects with a surface that a bake leaves out, because they are no meshes yet."""
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT":
+        return []
+    return [item for item in context.selected_objects if item.type in CONVERTIBLE]
+
+
+def kind_words(target: bpy.types.Object) -> str:
+    """What kind of object it is, as Blender calls it."""
+    return target.bl_rna.properties["type"].enum_items[target.type].name
+
+
+def unconvertible(item: bpy.types.Object) -> str:
+    """One sentence about why a text, curve, surface or metaball cannot become a mesh to bake, or ""."""
+    if item.library is not None or item.data.library is not None or item.override_library is not None:
+        return f'The object "{item.name}" is linked from another file; make it local first.'
+    if item.type == "META":
+        return ""  # all of a family is in the mesh of one of them
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    empty = mesh is None or not mesh.polygons
+    evaluated.to_mesh_clear()
+    return f'The object "{item.name}" has no faces: give the curve a bevel or an extrusion first.' if empty else ""
+
+
 def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
     """The objects grouped by the mesh that they share."""
     groups: dict[bpy.types.Mesh, list[bpy.types.Object]] = {}
@@ -50,7 +78,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
     targets = chosen(context)
     if not targets:
-        return "Select a mesh object first"
+        return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
     for target in targets:
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import bpy
 
 from ..settings import preferences
+from . import image_preview
 
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
 # saved file still can bring it back. Earlier versions kept one word for all of them.
@@ -39,13 +40,14 @@ def reveal(context: bpy.types.Context) -> None:
     """After a bake: every solid viewport of the window shows the colors, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
+    image_preview.hide()  # which lies over them
     for _, shading in shadings(context.screen):
         if shading.type == "SOLID":
             show_attributes(context.screen, shading)
 
 
 def reveal_materials(context: bpy.types.Context) -> None:
-    """After materials were changed: every solid viewport of the window shows them, unless the preferences say otherwise."""
+    """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
     for _, shading in shadings(context.screen):

@@ -3,9 +3,10 @@
 import bpy
 
 from ..scene import mesh_io, record
+from ..scene.node_groups import MARK, add_node
 from ..settings.translation import said
 from . import recolor, tuned
-from .node_groups import MARK, add_node, append, found_group
+from .assets import append, found_group
 from .passing import base_shader, own_nodes, passes, put, take_out
 from .slots import DESCRIPTOR, assign, take_back
 

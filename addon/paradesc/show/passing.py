@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from .node_groups import MARK
+from ..scene.node_groups import MARK
 
 # What goes through a node: names of the shader's inputs and of the node's outputs; the node's inputs are named alike.
 Passed = dict[str, str]

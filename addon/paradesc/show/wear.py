@@ -7,8 +7,9 @@ import bpy
 from mathutils import Vector
 
 from ..scene import mesh_io, record
+from ..scene.node_groups import MARK, add_node
 from . import slots, tuned
-from .node_groups import MARK, add_node, append, shared_group
+from .assets import append, shared_group
 from .passing import base_shader, own_nodes, passes, put, take_out
 
 GROUP = "Paradesc Wear"

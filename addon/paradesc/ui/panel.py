@@ -11,6 +11,7 @@ from ..scene import pairs, sculpt_masks, targets, viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
+from . import image_result
 from .drawing import (
     SidebarPanel,
     button,
@@ -64,6 +65,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         draw_button(context, layout, settings)
         draw_live(context, layout)
         draw_result(context, layout)
+        image_result.draw(context, layout)
 
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:

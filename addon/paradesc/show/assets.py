@@ -3,18 +3,13 @@
 import bpy
 
 from ..scene.mesh_io import refuse
+from ..scene.node_groups import MARK
 from ..settings.asset_library import FILE
-
-# The custom property of our node groups and materials that says what they are, whatever their name.
-MARK = "paradesc_kind"
 
 
 def found_group(mark: str) -> bpy.types.NodeTree | None:
     """Our group with this mark that was made earlier, if it is still there and local."""
-    for group in bpy.data.node_groups:
-        if group.get(MARK) == mark and group.library is None:
-            return group
-    return None
+    return next((one for one in bpy.data.node_groups if one.get(MARK) == mark and one.library is None), None)
 
 
 def shared_group(mark: str) -> bpy.types.NodeTree:
@@ -41,21 +36,3 @@ def append(kind: str, name: str) -> bpy.types.ID:
     for library in set(bpy.data.libraries) - libraries:
         bpy.data.libraries.remove(library)
     return made
-
-
-def input_of(group: bpy.types.NodeTree, name: str) -> object:
-    """The input of a group that holds its default; the interface of groups is another one since Blender 4."""
-    if hasattr(group, "interface"):
-        inputs = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
-    else:
-        inputs = group.inputs
-    return next(item for item in inputs if item.name == name)
-
-
-def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **members: object) -> bpy.types.Node:
-    """Adds a node and sets its members."""
-    node = tree.nodes.new(kind)
-    node.location = place
-    for name, value in members.items():
-        setattr(node, name, value)
-    return node

@@ -1,0 +1,50 @@
+"""Builds the same node trees in Blender 3.4 and later, whose interfaces of groups differ."""
+
+import bpy
+
+SOCKETS = {"float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
+# The custom property of our node groups and materials that says what they are, whatever their name.
+MARK = "paradesc_kind"
+
+
+def new_group(kind: str, name: str) -> bpy.types.NodeTree:
+    """An empty group of a tree type such as "ShaderNodeTree"."""
+    group = bpy.data.node_groups.new(name, kind)
+    group[MARK] = name
+    return group
+
+
+def add_socket(group: bpy.types.NodeTree, name: str, kind: str, *, output: bool = False) -> None:
+    """Adds an input or output to a group."""
+    if hasattr(group, "interface"):
+        group.interface.new_socket(name=name, in_out="OUTPUT" if output else "INPUT", socket_type=SOCKETS[kind])
+    else:
+        (group.outputs if output else group.inputs).new(SOCKETS[kind], name)
+
+
+def input_of(group: bpy.types.NodeTree, name: str) -> object:
+    """The input of a group that holds its default."""
+    if hasattr(group, "interface"):
+        inputs = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
+    else:
+        inputs = group.inputs
+    return next(item for item in inputs if item.name == name)
+
+
+def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **members: object) -> bpy.types.Node:
+    """Adds a node and sets its members."""
+    node = tree.nodes.new(kind)
+    node.location = place
+    for name, value in members.items():
+        setattr(node, name, value)
+    return node
+
+
+def add_modifier(target: bpy.types.Object, tree: bpy.types.NodeTree, name: str) -> bpy.types.NodesModifier:
+    """Adds a modifier with this group of geometry nodes at the end of the stack."""
+    modifier = target.modifiers.new(name, "NODES")
+    made = modifier.node_group  # Blender 3.4 makes one of its own
+    modifier.node_group = tree
+    if made is not None and made.users == 0:
+        bpy.data.node_groups.remove(made)
+    return modifier
