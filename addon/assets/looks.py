@@ -14,7 +14,7 @@ class Look:
         self.material = bpy.data.materials.new(name)
         self.material.use_nodes = True
         g = self.graph = Graph(self.material.node_tree)
-        inputs = {"Cavity": g.attribute("cavity_color"), "Edges": g.attribute("convexity_color")}
+        inputs = {name: self.mask(descriptor) for name, descriptor in wear.MASKS.items()}
         inputs |= {word.replace("_", " "): value for word, value in values.items()}
         self.wear = g.node("ShaderNodeGroup", node_tree=bpy.data.node_groups[wear.GROUP], name=wear.GROUP, width=220)
         for name, value in inputs.items():
@@ -24,6 +24,12 @@ class Look:
         g.node("ShaderNodeOutputMaterial", {"Surface": self.shader.outputs[0]})
         generated = g.node("ShaderNodeTexCoord").outputs["Generated"]
         self.place = g.vector("ADD", generated, (seed, seed, seed))
+
+    def mask(self, descriptor: str) -> bpy.types.NodeSocket:
+        """A mask at vertices, in whose place an image may come."""
+        color = self.graph.attribute(f"{descriptor}_color")
+        color.node[wear.OF_VERTICES] = descriptor
+        return color
 
     def colored(self, *colors: tuple[float, float, float], scale: float, roughness: tuple[float, float]) -> None:
         """Gives the base color and roughness that noise varies between two or three values."""

@@ -3,28 +3,32 @@
 Colors and levels of looks are not written here: they are inputs of the group and of the materials in the assets.
 """
 
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
 import bpy
 from mathutils import Vector
 
-from ..scene import mesh_io, record
+from ..scene import large_faces, mesh_io, record
+from ..scene.image_nodes import OF_VERTICES, OWN, is_as_left
 from ..scene.node_groups import MARK, add_node
 from . import slots, tuned
 from .assets import append, shared_group
-from .passing import base_shader, own_nodes, passes, put, take_out
+from .passing import base_shader, own_nodes, passes, put, take_out, upstream
 
 GROUP = "Paradesc Wear"
 PASSED = {"Base Color": "Color", "Roughness": "Roughness", "Metallic": "Metallic"}
 # Inputs of the group that masks are linked to, and the descriptors that these are.
 MASKS = {"Cavity": "cavity", "Edges": "convexity"}
 # Of the group's inputs, those that come from the material and the object; all others make the look.
-OWN = {*PASSED, *MASKS, "Proportions"}
+GIVEN = {*PASSED, *MASKS, "Proportions"}
 AS_IS = "AS_IS"
 # The materials of the assets, by the look that they have.
 LOOKS = {"PAINTED_METAL": "Painted Metal", "OLD_STONE": "Old Stone", "DUSTY_PLASTIC": "Dusty Plastic"}
 # The diagonal of the objects that lengths in those materials suit.
 DIAGONAL = 2 * 3**0.5
-# Custom properties of nodes: what we have set the inputs to, and that a node of a mask is ours.
-LEFT, SOURCE = tuned.PROPERTY, "paradesc_mask_of"
+# The custom property of nodes of the group that keeps what we have set the inputs to.
+LEFT = tuned.PROPERTY
 # What a material is marked with that had no nodes before.
 WITHOUT_NODES = "without nodes"
 
@@ -36,7 +40,7 @@ Values = dict[str, float | list[float]]
 
 def values_of(node: bpy.types.Node) -> Values:
     """The inputs of a node of the group that make the look."""
-    found = {socket.name: tuned.plain(socket.default_value) for socket in node.inputs if socket.name not in OWN}
+    found = {socket.name: tuned.plain(socket.default_value) for socket in node.inputs if socket.name not in GIVEN}
     return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
@@ -96,23 +100,36 @@ def has_nodes(material: bpy.types.Material) -> bool:
     return material.node_tree is not None and material.use_nodes
 
 
-def add(target: bpy.types.Object, look: str = "") -> list[str]:
+def needs_image(target: bpy.types.Object, source: str) -> bool:
+    """Whether masks of an object show as images alone; a material that other meshes share has them at vertices."""
+    material = target.active_material
+    sharing = [item.data for item in bpy.data.objects if material is not None and material in used(item)]
+    return large_faces.are_too_large(target, source) and all(mesh == target.data for mesh in sharing)
+
+
+def used(item: bpy.types.Object) -> list[bpy.types.Material | None]:
+    """The materials of an object."""
+    return [slot.material for slot in item.material_slots]
+
+
+def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> list[str]:
     """Gives the active material wear, or an object without material one of the looks; gives sentences.
 
     look: one of LOOKS or AS_IS; "" leaves the look that the wear has, and is AS_IS where there is none.
+    of_images: images of the masks will be linked to it.
     """
     sentence = fault(target)
     if sentence:
         raise mesh_io.refuse(sentence)
     material = target.active_material
     if material is None:
-        return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]))]
+        return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
     if not has_nodes(material):
         give_nodes(material)
     node, is_new = wear_node(material)
     if is_new:
         fit(material, node, target)
-    connect(material, node, target.data)
+    connect(material, node, {} if of_images else MASKS, target.data)
     if is_new or look:
         dress(node, look_values(material.node_tree, look or AS_IS))
     kept = tuned_inputs(node) if look else []
@@ -147,12 +164,12 @@ def free_place(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> tuple[float,
     return left, min([shader.location.y, *(place.y - 360 for place in beside)])
 
 
-def connect(material: bpy.types.Material, node: bpy.types.Node, mesh: bpy.types.Mesh) -> None:
-    """Links the node to the shader, and masks to the node where nothing is linked to it yet."""
+def connect(material: bpy.types.Material, node: bpy.types.Node, masks: dict[str, str], mesh: bpy.types.Mesh) -> None:
+    """Links the node to the shader, and masks at vertices to the node where nothing is linked to it yet."""
     shader = base_shader(material)
     if not passes(node, PASSED):
         put(shader, node, PASSED)
-    for row, (name, descriptor) in enumerate(MASKS.items()):
+    for row, (name, descriptor) in enumerate(masks.items()):
         if not node.inputs[name].is_linked:
             place = (node.location.x - 240, node.location.y - 120 - 180 * row)
             material.node_tree.links.new(mask_source(material.node_tree, mesh, descriptor, place), node.inputs[name])
@@ -161,13 +178,10 @@ def connect(material: bpy.types.Material, node: bpy.types.Node, mesh: bpy.types.
 def mask_source(
     tree: bpy.types.NodeTree, mesh: bpy.types.Mesh, descriptor: str, place: tuple[float, float]
 ) -> bpy.types.NodeSocket:
-    """A node that gives a mask between 0 and 1: the grey that a bake left as a color attribute.
-
-    Where vertex colors are too coarse for a mesh, this is the place for an image of the mask.
-    """
+    """A node that gives a mask between 0 and 1: the grey that a bake left as a color attribute."""
     name = f"{record.attribute_of(mesh, descriptor)}_color"
     node = add_node(tree, "ShaderNodeAttribute", place, attribute_name=name, label=name)
-    node[SOURCE] = descriptor
+    node[OF_VERTICES] = descriptor
     return node.outputs["Color"]
 
 
@@ -183,10 +197,10 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
                 bump.inputs["Distance"].default_value *= diagonal / DIAGONAL
 
 
-def assign(target: bpy.types.Object, name: str) -> str:
-    """Gives an object without material one of the looks, which others that get the same click share."""
+def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
+    """Gives an object without material one of the looks; all that have masks at vertices share it."""
     material = next((item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)), None)
-    if material is None:
+    if material is None or of_images:
         material = append("materials", name)
         material[MARK] = name
         fit(material, own_nodes(material.node_tree, GROUP)[0], target)
@@ -198,6 +212,16 @@ def assign(target: bpy.types.Object, name: str) -> str:
 def is_look(material: bpy.types.Material) -> bool:
     """Whether an object without material was given it."""
     return material.get(MARK) in LOOKS.values()
+
+
+@contextmanager
+def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Looks of objects that are as we left them count so afterwards, too: what is added meanwhile is ours."""
+    found = {target.active_material for target in targets if target.active_material is not None}
+    ours = [material for material in found if is_look(material) and tuned.is_as_left(material)]
+    yield
+    for material in ours:
+        tuned.leave(material)
 
 
 # ---- Removing
@@ -254,12 +278,20 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
     take_out(node, PASSED)
     if tuned_inputs(node):
         return [f'The wear of "{material.name}" was tuned; it stays in the material, disconnected.']
-    sources = [node.inputs[name].links[0].from_node for name in MASKS if node.inputs[name].is_linked]
+    sources = [one for one in upstream(node) if is_source(one)]
     tree.nodes.remove(node)
     for source in sources:
-        if SOURCE in source and not any(socket.is_linked for socket in source.outputs):
+        if not any(socket.is_linked for socket in source.outputs):
             tree.nodes.remove(source)
+    parents = [one.parent for one in tree.nodes]
+    for frame in [one for one in tree.nodes if one.type == "FRAME" and OWN in one and one not in parents]:
+        tree.nodes.remove(frame)
     if material.get(tuned.PROPERTY) == WITHOUT_NODES:
         material.use_nodes = False
         del material[tuned.PROPERTY]
     return []
+
+
+def is_source(node: bpy.types.Node) -> bool:
+    """Whether a node of ours gives a mask, and is as we left it."""
+    return OF_VERTICES in node or (OWN in node and (node.type != "TEX_IMAGE" or is_as_left(node)))
