@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import bpy
 
 from ..core import legend
-from . import mesh_io
+from . import mesh_io, node_groups
 from .images import MARK, OBJECT
 
 FRAME = "Paradesc"
 # The custom property of nodes that are ours; those of images say whose mask they hold, and which image they had.
 OWN, LEFT = "paradesc_node", "paradesc_node_left"
-# The custom properties by which show/ knows its groups, and its nodes that give a mask from vertices.
-GROUP, OF_VERTICES = "paradesc_kind", "paradesc_mask_of"
+# The custom property of nodes of ours that give a mask from vertices.
+OF_VERTICES = "paradesc_mask_of"
 # The inputs of those groups that take a mask, and the descriptors that these are.
 TAKEN = {"Cavity": "cavity", "Edges": "convexity", "Edge Wear": "convexity"}
 CHANNELS = ("Red", "Green", "Blue")
@@ -146,7 +146,7 @@ def link_masks(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture)
     inputs = [
         (socket, TAKEN[socket.name])
         for group in tree.nodes
-        if getattr(group, "node_tree", None) is not None and GROUP in group.node_tree
+        if getattr(group, "node_tree", None) is not None and node_groups.MARK in group.node_tree
         for socket in group.inputs
         if TAKEN.get(socket.name) in texture.holds
     ]

@@ -2,9 +2,6 @@
 
 import bpy
 
-from ..settings.translation import label
-from .drawing import place
-
 
 class PARADESC_MT_wear(bpy.types.Menu):
     """Looks of dirt and wear"""
@@ -19,12 +16,10 @@ class PARADESC_MT_wear(bpy.types.Menu):
         self.layout.operator("paradesc.remove_wear", icon="X")
 
 
-def draw_wear(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+def draw_wear(layout: bpy.types.UILayout) -> None:
     """Draws the button, and the menu beside it."""
     row = layout.row(align=True)
-    words = label("Add Wear to Material", "Operator")
-    part, words = place(context, row, words, has_icon=True, others=1)
-    part.operator("paradesc.add_wear", text=words, icon="NODE_MATERIAL", translate=False)
+    row.operator("paradesc.add_wear", icon="NODE_MATERIAL")
     row.menu("PARADESC_MT_wear", text="", icon="DOWNARROW_HLT")
 
 
