@@ -15,6 +15,7 @@ from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
+from .wear_panel import draw_wear
 
 # Of the row that the button has beside Live.
 BAKE_SHARE = 0.7
@@ -108,6 +109,7 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
         place.operator(name, text=words, icon=icon, translate=False)
         if place == row and is_mesh(active):
             row.prop(active.paradesc_live, "follows", toggle=True)
+    draw_wear(layout)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
