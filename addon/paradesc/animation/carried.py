@@ -1,6 +1,7 @@
 """Brings live values to the vertices that modifiers make, by the carrier that bakes use, at every frame anew."""
 
 import bpy
+import numpy as np
 
 from ..bridge import MeshArrays
 from ..scene import arrays, carrying, delivery, mesh_io, ownership, record
@@ -12,7 +13,7 @@ def paint(
 ) -> None:
     """Fills the carrier with the values of the mesh that modifiers made, as the painter painted the object's own mesh.
 
-    by_place: as carrying.carry() has it, or None in a render, which makes no carrier. It finds one of other vertices
+    by_place: whether modifiers lose own vertices, or None in a render, which makes no carrier. It finds one of other vertices
     where it has another level of subdivision; there Blender mixes the values of the object's own vertices.
     """
     names, mesh = values.names(painter.at), carrying.carrier_of(target)
@@ -20,15 +21,21 @@ def paint(
     if by_place is None and not fits:
         return
     if not fits:
-        mesh = delivery.carrier_mesh(target, made)
+        mesh = delivery.carrier_mesh(target, made, by_place, earlier_values(target, len(made.positions)))
         mesh_io.make_attributes(mesh, names)
     ownership.forget(mesh, names)
     for name, array in painter.attribute_values(values):
         arrays.set_values(mesh.attributes[name], array)
     if not fits:
         painting.leave_record(mesh, values, painter.ranges, painter.at)
-        carrying.carry(target, mesh, by_place)
+        carrying.carry(target, mesh, delivery.measured(made, by_place))
     mesh.update()
+
+
+def earlier_values(target: bpy.types.Object, count: int) -> dict[str, np.ndarray]:
+    """What is carried so far, at the vertices that modifiers make now; {} if these are not so many."""
+    mesh = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return carrying.carried_values(target, mesh) if len(mesh.vertices) == count else {}
 
 
 def leave(target: bpy.types.Object) -> None:
