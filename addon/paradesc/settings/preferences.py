@@ -5,6 +5,8 @@ from pathlib import Path
 
 import bpy
 
+from . import asset_library
+
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
 GIGABYTE = 1_000_000_000
@@ -55,6 +57,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         if self.memory_limit == 0:
             limit.label(text="Automatic")
         layout.prop(self, "presets_folder")
+        asset_library.draw(layout)
         row = layout.row()
         row.operator("paradesc.manual", text="Documentation", icon="HELP")
         home = website()
