@@ -235,3 +235,20 @@ def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     path = next(iter(cache.frames_in(cache.object_folder(tmp_path, cage.name, [])).values()))
     assert cache.read_frame(path).info["radius"][MASK] == pytest.approx(radius, rel=1e-5)
+
+
+def test_another_radius_is_followed_once_the_hand_rests_and_other_settings_ask_for_nothing(cage, monkeypatch):
+    assert switch(cage) == ""
+    bpy.context.view_layer.update()
+    handlers.STATE.edited_at = None
+    done = count_computations(monkeypatch)
+    bpy.context.scene.paradesc.image_to_material = True
+    bpy.context.view_layer.update()
+    assert handlers.STATE.edited_at is None
+    bpy.context.scene.paradesc.radius_percent = 16.0
+    bpy.context.view_layer.update()
+    assert handlers.STATE.edited_at is not None
+    handlers.STATE.edited_at = 0.0
+    handlers.follow_edits()
+    assert len(done) == 1
+    assert handlers.session_at(cage).has_settings(bpy.context.scene)
