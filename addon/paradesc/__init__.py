@@ -35,6 +35,7 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 # These stand in the order in which they refer to each other. Each has classes, and register() and unregister() if it
 # needs more.
 MODULES = (
+    "settings.asset_library",
     "settings.preferences",
     "settings.research",
     "settings.properties",
@@ -58,8 +59,10 @@ MODULES = (
     "show.recolor",
     "show.materials",
     "show.geometry_nodes",
+    "show.wear_operators",
     "show.channels",
     "show.copies",
+    "ui.wear_panel",
     "ui.looks_panel",
     "ui.menus",
     "show.overlay",

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import bpy
 
+from . import asset_library
+
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
 GIGABYTE = 1_000_000_000
@@ -55,11 +57,14 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         if self.memory_limit == 0:
             limit.label(text="Automatic")
         layout.prop(self, "presets_folder")
+        asset_library.draw(layout)
         row = layout.row()
         row.operator("paradesc.manual", text="Documentation", icon="HELP")
-        for text, icon, address in (("Website", "URL", website()), ("Report a Bug", "ERROR", tracker())):
-            if address:
-                row.operator("wm.url_open", text=text, icon=icon).url = address
+        home = website()
+        if home:
+            row.operator("wm.url_open", text="Website", icon="URL").url = home
+        if tracker(home):
+            row.operator("wm.url_open", text="Report a Bug", icon="ERROR").url = tracker(home)
 
 
 def found() -> PARADESC_AP_preferences | None:
@@ -101,10 +106,10 @@ def website() -> str:
     return named[1] if named else ""
 
 
-def tracker() -> str:
-    """The address for reports of bugs: that of a forge's repository, if the website is one; or ""."""
-    repository = re.fullmatch(r"https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?/?", website())
-    return f"{repository[0].rstrip('/')}/issues" if repository else ""
+def tracker(home: str) -> str:
+    """The address for reports of bugs, if the website is a repository on a forge; or ""."""
+    repository = re.fullmatch(r"(https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?)/?", home)
+    return f"{repository[1]}/issues" if repository else ""
 
 
 classes = (PARADESC_AP_preferences,)

@@ -7,7 +7,7 @@ from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import advice, choices, spaces
-from ..scene import mesh_io, pairs, sculpt_masks, targets
+from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -15,9 +15,11 @@ from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
+from .wear_panel import draw_wear
 
 # Of the row that the button has beside Live.
 BAKE_SHARE = 0.7
+TO_IMAGE = "Bake to Image"
 MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}
 
 
@@ -94,15 +96,20 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 
 
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws the buttons that bake, and the switch of live values beside the first."""
-    text = button_text(len(targets.by_mesh(targets.chosen(context))), presets.chosen_masks(settings))
-    active = context.active_object
+    """Draws the buttons that bake, the one that suits the meshes first, and the switch of live values beside it."""
+    chosen, active = targets.chosen(context), context.active_object
+    text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
+    buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
+    if large_faces.of_chosen(context):
+        sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
+        buttons.reverse()
     row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
     row.scale_y = 1.4
-    row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
-    if is_mesh(active):
-        row.prop(active.paradesc_live, "follows", toggle=True)
-    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    for place, (name, words, icon) in zip((row, layout), buttons, strict=True):
+        place.operator(name, text=words, icon=icon, translate=False)
+        if place == row and is_mesh(active):
+            row.prop(active.paradesc_live, "follows", toggle=True)
+    draw_wear(layout)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)

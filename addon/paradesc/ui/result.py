@@ -37,7 +37,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     column = layout.column(align=True)
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
-    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0) and stored["warnings"]:
+    is_small = stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0)
+    if is_small and context.scene.paradesc.radius_fit == "typed":
         column.operator("paradesc.bake", text="Bake with Fitted Radius").fit = "medium"
 
 
