@@ -1,4 +1,4 @@
-"""Values on the mesh that modifiers make: exact, side by side, without a second object, and what is the user's stays."""
+"""Values on the mesh that modifiers make: exact, side by side, without a second object; what is the user's stays."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from export_test import enable, nearest, primitive  # noqa: E402
+
 from live_values import switch  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps, job, source_kinds  # noqa: E402
@@ -158,6 +159,19 @@ def test_more_segments_take_the_values_of_the_nearest_places():
     assert np.unique(after.round(4)).size > np.unique(before.round(4)).size
 
 
+def test_another_level_in_another_pose_has_what_blender_mixes_of_the_own_vertices():
+    target = box("subdivision")
+    bake("convexity")
+    target.modifiers["SUBSURF"].levels = 3  # renders have a level of their own
+    target.modifiers.new("Bend", "SIMPLE_DEFORM").deform_method = "BEND"
+    bpy.ops.object.modifier_move_to_index(modifier="Bend", index=1)
+    found = shown(target, "convexity")
+    ours(target)[0].show_viewport = False
+    bpy.context.view_layer.update()
+    np.testing.assert_array_equal(found, shown(target, "convexity"))
+    assert np.ptp(found) > 0
+
+
 def test_a_modifier_that_is_added_behind_is_measured_by_the_next_bake():
     target = box()
     bake("convexity")
@@ -203,10 +217,11 @@ def test_ours_alone_does_not_make_a_surface_shown_otherwise():
     assert ours(target)
 
 
-def test_live_values_are_shown_instead_of_carried_ones():
+def test_live_values_of_the_base_mesh_are_shown_instead_of_carried_ones():
     target = box("subdivision")
     bake("convexity")
     bpy.context.scene.paradesc.descriptors = {"convexity"}
+    bpy.context.scene.paradesc_animation.source = "original"
     assert switch(target) == ""
     bpy.context.view_layer.update()
     assert carrying.carried_names(target) == []
@@ -336,7 +351,7 @@ def test_a_file_keeps_what_is_carried(tmp_path):
     bake("convexity")
     bake("cavity")
     expected = {name: shown(target, name) for name in carrying.carried_names(target)}
-    assert len(expected) == 6
+    assert len(expected) == 5  # two masks, their colors, and the coverage
     for _ in range(2):  # what nothing used would be lost by the second time
         bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "box.blend")))
     target = bpy.data.objects["box"]

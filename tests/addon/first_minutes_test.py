@@ -1,5 +1,6 @@
 """What an artist meets first: grey masks of the surface that is shown, a fitting radius, notes apart from warnings."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,10 +10,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc.animation import handlers  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import fitting, job  # noqa: E402
 from paradesc.scene import record, source_meshes, targets  # noqa: E402
 from paradesc.settings import presets  # noqa: E402
-from paradesc.ui import panel, report_panel  # noqa: E402
+from paradesc.ui import panel, report_panel, result  # noqa: E402
 from scene import add_sphere, attribute_values, saved_scene, select  # noqa: E402
 
 
@@ -57,9 +58,9 @@ def test_one_click_bakes_both_grey_masks_of_the_surface_that_is_shown(monkey):
 def test_what_is_measured_is_a_note_and_no_warning(monkey):
     bpy.ops.paradesc.bake()
     stored = record.read(monkey.data)
-    assert "the original ones among them" in stored["notes"]
+    assert "Measured with its modifiers: 7,958 vertices" in stored["notes"]
     assert stored["warnings"] == ""
-    assert panel.result_sentence(stored).startswith("Cavity, 7,958 vertices, ")
+    assert re.fullmatch(r"Cavity, Edge Wear · \d+\.\d s", result.result_sentence(stored))
     assert report_panel.stored_report(monkey) == stored
 
 
@@ -177,7 +178,7 @@ def test_the_radius_is_halved_where_parts_are_thinner(monkeypatch):
     target = rods()
     bpy.ops.paradesc.bake()
     found = record.read(target.data)["settings"]["radius"]
-    monkeypatch.setattr(job, "HALVINGS", 0)
+    monkeypatch.setattr(fitting, "HALVINGS", 0)
     bpy.ops.paradesc.bake()
     whole = record.read(target.data)["settings"]["radius"]
     assert whole / found in (2, 4, 8)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.pieces import Piece, Pieces, key_of
+from ..bake.pieces import Piece, Pieces, key_of, stage_words
 from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
@@ -16,7 +16,8 @@ from ..files import cache
 from ..scene import surface_maps, targets
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
-from . import frames, handlers, painting, pausing
+from ..settings.translation import label
+from . import frames, painting, pausing, sessions
 
 
 @dataclass
@@ -38,7 +39,7 @@ class FrameBatch(Pieces):
         self.wanted, self.beside = wanted, beside
         self.settings = properties.job_settings(scene.paradesc)
         job.check_descriptors(self.settings.descriptors)
-        self.options = (group.frame_source, group.relative_to_rest, group.overwrite)
+        self.options = (group.relative_to_rest, group.overwrite)
         self.material_maps = scene.paradesc.material_maps
         super().__init__(pieces_of(targets.chosen(context), root))
         self.next = 0  # which of the wanted frames
@@ -66,10 +67,10 @@ class FrameBatch(Pieces):
         """What is being done, for people."""
         piece = self.pieces[min(self.current, len(self.pieces) - 1)]
         frame = self.wanted[max(0, self.next - 1)]
-        text = f"frame {frame} of {self.wanted[0]} to {self.wanted[-1]}, {self.worker.stage if self.worker else 'read'}"
-        if len(self.pieces) == 1:
-            return text
-        return f'object {self.current + 1} of {len(self.pieces)}, "{piece.name}", {text}'
+        stage = stage_words(self.worker.stage if self.worker else "read")
+        text = label("{stage}, frame {frame} of {first} to {last}")
+        text = text.format(stage=stage, frame=frame, first=self.wanted[0], last=self.wanted[-1])
+        return text if len(self.pieces) == 1 else f'"{piece.name}": {text}'
 
     def step(self, wait: bool = False) -> None:
         """Opens the next object, or takes in the frame that has been computed and begins the next one."""
@@ -99,7 +100,8 @@ class FrameBatch(Pieces):
         if piece.failure:
             raise refuse(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
-        request = frames.FrameRequest(self.settings, piece.folder, *self.options, maps if maps.any else None)
+        source = frames.source_of(scene, target)
+        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
         baker = frames.FrameBaker(scene, target, request)
         self.baker, self.next = baker, 0
         self._open.callback(baker.close)
@@ -150,9 +152,9 @@ class FrameBatch(Pieces):
             return
         look = looks.scene_look(scene)
         if not look.ranges:
-            with handlers.our_turn(wait=True):
+            with sessions.our_turn(wait=True):
                 painting.hold_ranges(scene.paradesc_live, look, cache.ranges_over(places, look))
-        handlers.forget_ranges()
+        sessions.forget_ranges()
 
     @property
     def made(self) -> int:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers, painting
+from . import carried, handlers, painting, sessions
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -20,16 +20,17 @@ def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) ->
     handlers.mode_changed(group.id_data)
     if group.mode == "OFF":
         painting.leave(group.id_data)
+        carried.leave(group.id_data)
 
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Brings all live objects up to date with the settings."""
-    handlers.refresh_window(handlers.live_objects(), watched=True)
+    sessions.refresh_window(sessions.live_objects(), watched=True)
 
 
 def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Does the same after somebody has set a range, which then stays."""
-    if not handlers.is_ours():
+    if not sessions.is_ours():
         group.typed = True
         settings_changed(group, context)
 
@@ -59,7 +60,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     buffer_size: bpy.props.IntProperty(
-        name="Bake Resolution",
+        name="Resolution",
         description="At most so many texels along a side of the baked buffers in the viewport",
         default=512,
         min=64,
@@ -81,7 +82,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
     wait: bpy.props.BoolProperty(
         name="Wait for Values",
-        description="Show every frame with its own values, as slowly as they are computed. Without it, values follow "
+        description="Wait for each frame's values before it is drawn. Without it, values follow "
         "a moment later while you play, drag the current frame or edit. Renders always wait",
         default=True,
     )

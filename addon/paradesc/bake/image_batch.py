@@ -26,6 +26,7 @@ class TextureBake(Piece):
 
     highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
+    computed: image_files.Computed | None = None  # until all meshes are, if they share a range
     textures: image_files.Textures | None = None
     over: uv_maps.Over | None = None  # the UV map that they lie over
     begun: float = 0.0  # when it was read
@@ -38,13 +39,14 @@ class TextureBake(Piece):
 
     def drop(self) -> None:
         """Forgets the textures."""
-        self.textures = None
+        self.textures = self.computed = None
 
     def result(self, size: int) -> image_results.ImageBake:
         """What the mesh keeps of it, once its images are there."""
         transfer = self.textures.results.transfer
         return image_results.ImageBake(
             names=[image.name for image in self.images],
+            holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
             size=size,
             seconds=self.seconds,
             uv_map=self.over.name,
@@ -78,6 +80,22 @@ class ImageBatch(OneByOne):
         super().__init__(paired(context) if onto else alone(context))
         for piece in self.pieces:
             piece.stem = file_word(piece.name)
+        # With one scale for several meshes none is drawn before all are computed.
+        self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
+        self.round = 1
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        return (self.round - 1 + super().fraction) / self.rounds
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the current mesh; after the last one of the first round it begins to draw."""
+        super().step(wait)
+        computed = [piece.computed for piece in self.pieces if piece.computed is not None]
+        if self.done and not self.cancelled and self.round < self.rounds and computed:
+            self.choice = replace(self.choice, look=image_files.with_one_scale(self.choice.look, computed))
+            self.round, self.current = self.rounds, 0
 
     @property
     def written(self) -> list[TextureBake]:
@@ -90,7 +108,13 @@ class ImageBatch(OneByOne):
         return time.monotonic() - self.started
 
     def start(self, piece: TextureBake) -> None:
-        """Reads a mesh and starts its worker."""
+        """Reads a mesh and starts its worker, or draws what was computed of it."""
+        if piece.failure:
+            return
+        if piece.computed is not None:
+            piece.begun = time.monotonic()
+            self.work(partial(image_files.packed, piece.computed, self.choice))
+            return
         target, piece.begun = piece.target(), time.monotonic()
         if self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
@@ -101,13 +125,17 @@ class ImageBatch(OneByOne):
         read, piece.told = piece.over.read, [piece.over.note] if piece.over.note else []
         piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
         if piece.highs:
-            work = self.work_onto(piece, pairs.part_of(target, read))
+            self.work(self.work_onto(piece, pairs.part_of(target, read)))
         else:
-            work = partial(image_files.run, piece.stem, read.measured, self.settings, self.choice)
-        self.worker = Worker(work)
+            run = image_files.run if self.rounds == 1 else image_files.computed
+            self.work(partial(run, piece.stem, read.measured, self.settings, self.choice))
+
+    def work(self, function: Callable[..., object]) -> None:
+        """Starts a worker."""
+        self.worker = Worker(function)
         self.worker.start()
 
-    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., image_files.Textures]:
+    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
         """Reads the detailed meshes of a piece; what they are measured with is its work."""
         highs = []
         for high in map(find, piece.highs):
@@ -115,12 +143,17 @@ class ImageBatch(OneByOne):
             piece.notes += read.notes
             piece.warnings += read.warnings
             highs.append(pairs.part_of(high, read))
-        return partial(image_files.run_onto, piece.stem, low, highs, self.settings, self.choice, self.cage)
+        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
+        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
 
-    def take(self, piece: TextureBake, worker: Worker[image_files.Textures]) -> None:
+    def take(self, piece: TextureBake, worker: Worker[image_files.Computed | image_files.Textures]) -> None:
         """Keeps a worker's textures until all are there."""
-        piece.textures = worker.result()
-        piece.seconds = time.monotonic() - piece.begun
+        made = worker.result()
+        piece.seconds += time.monotonic() - piece.begun
+        if self.round < self.rounds:
+            piece.computed = made
+            return
+        piece.textures, piece.computed = made, None
         found = piece.textures.results
         # On the processor the map that is measured over limits nothing.
         harmless = [line for line in found.warnings if LAID_OUT in line and found.backend == "cpu"]
@@ -153,9 +186,7 @@ class ImageBatch(OneByOne):
             holds = [textures[0].holds for textures in made.values()]
             rows = zip(piece.images, holds, strict=True)
             found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
-            piece.material = image_nodes.add_to_material(target, found).name
-        first = list(made).index(piece.textures.most_telling())
-        piece.images.insert(0, piece.images.pop(first))  # which is shown
+            piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
         image_results.keep(target.data, piece.result(self.choice.size))
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:

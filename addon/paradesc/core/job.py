@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from operator import attrgetter
 from typing import Protocol
 
@@ -10,8 +11,8 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import advice, contexts, mesh_faults
-from .color_maps import EDGES, MASKS, Look, ValueRange, value_range
+from . import advice, contexts, fitting, mesh_faults
+from .color_maps import MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
@@ -22,12 +23,6 @@ NUMBER = re.compile(r"_\d+$")
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
 
-# Edges of thin parts are wider than the parts at a radius that suits the mesh elsewhere: it is halved so many times at most
-# where a mask is brighter than half on more than this share of the surface.
-HALVINGS, MOST_BRIGHT, WORTH_HALVING = 3, 0.4, 0.05
-NARROWED = ("fine", "medium")
-# What the radius of settings is that has been fitted to a mesh.
-FITTED = "fitted"
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
@@ -46,7 +41,7 @@ class Settings:
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
-    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitted() finds the radius; then "fitted"
+    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitting.py finds the radius; then "fitted"
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
     threads: int = 0  # 0: all cores; neither in as_dict()
 
@@ -111,7 +106,7 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
-    areas: np.ndarray | None = None  # (vertex_count,) float64 of the surface around each vertex, if masks are among them
+    areas_of: Callable[[], np.ndarray] | None = None  # gives areas, if masks are among the values
     texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
@@ -130,11 +125,20 @@ class Results:
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
-        own = self.transfer is None
-        values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
+        at_vertices = self.transfer is None and name not in self.texel_values
+        areas = self.areas if at_vertices else None
+        return value_range(self.telling(name), registry_row(name), self.radius_of(name), self.look, areas)
+
+    def telling(self, name: str) -> np.ndarray:
+        """The values that tell the range: those of texels, of the detailed surfaces, or else at the vertices."""
         if name in self.texel_values:
-            values, areas = self.texel_values[name], None
-        return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
+            return self.texel_values[name]
+        return self.values[name] if self.transfer is None else self.transfer.measured[name]
+
+    @property
+    def areas(self) -> np.ndarray | None:
+        """(vertex_count,) float64 of the surface around each vertex: live values seldom need what takes so long."""
+        return None if self.areas_of is None else self.areas_of()
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -177,7 +181,7 @@ class Results:
         """Warns of what the mesh lacks, and if values show facets as the smallest radius is below the mean edge."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
-        if least >= edge or self.settings.radius_fit == FITTED:
+        if least >= edge or self.settings.radius_fit == fitting.FITTED:
             return self.shape_notes
         share = f"{least / edge:.2g}"
         facets = f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."
@@ -246,56 +250,13 @@ def run(
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
     sized = settings.radius_fit
-    settings = fitted(settings, arrays)
+    settings = fitting.fitted(settings, arrays)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
 
         def compute(chosen: Settings) -> Results:
             return run_on(context, mesh, arrays, chosen, progress, with_buffers)
 
-        return narrowed(settings, compute, attrgetter("values")) if sized in NARROWED else compute(settings)
-
-
-def fitted(
-    settings: Settings, arrays: bridge.MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS
-) -> Settings:
-    """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
-    if settings.radius_fit not in advice.SIZES:
-        return settings
-    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit, largest)
-    unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
-    return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)
-
-
-def narrowed(
-    settings: Settings, compute: Callable[[Settings], Results], values_of: Callable[[Results], dict[str, np.ndarray]]
-) -> Results:
-    """What is computed with the radius that settings have been fitted with, or with half of it and so on.
-
-    A half is better where a mask is bright on less of the surface than before, which was too much.
-    """
-    results = compute(settings)
-    share = bright_share(results, values_of(results))
-    for _ in range(HALVINGS):
-        if share <= MOST_BRIGHT:
-            break
-        settings = replace(settings, options=replace(settings.options, radius=settings.options.radius / 2))
-        other = compute(settings)
-        less = bright_share(other, values_of(other))
-        if less > share - WORTH_HALVING:
-            break
-        results, share = other, less
-    return results
-
-
-def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
-    """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
-    found = [0.0]
-    for name in EDGES & values.keys():
-        areas = results.areas if values is results.values else np.ones(values[name].shape)
-        defined = np.isfinite(values[name])
-        total = float(areas[defined].sum())
-        found.append(float(areas[defined & (values[name] > 0.5)].sum()) / total if total > 0 else 0.0)
-    return max(found)
+        return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
@@ -350,7 +311,7 @@ def run_on(
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
-        results.areas = advice.areas_of_vertices(arrays)
+        results.areas_of = partial(advice.areas_of_vertices, arrays)
     add_corners(results, arrays, progress)
     return results
 

@@ -12,8 +12,8 @@ from . import advice
 BEND = np.radians(10.0)
 # A face is large if its longest edge has so many radii that suit the mesh's masks.
 LARGE = 4.0
-# From this share of the area on, large faces with such corners are what one sees: a fort or a beveled crate have 0.3 to 1,
-# a head of 500 vertices 0.12, a cartoon fox 0.01.
+# From this share of the area on, large faces with such corners are what one sees: a fort has 0.3, a beveled crate 1, a
+# head of 500 vertices 0.12, and a cartoon fox 0.01.
 TOO_MUCH = 0.2
 
 

@@ -11,7 +11,7 @@ from operator import attrgetter
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from . import advice, color_maps, job, packing, udim
+from . import advice, color_maps, fitting, job, packing, udim
 
 # Centers that the radius spans at least, on all but a share of the surface: the pixels of a figure with fine detail are
 # then within 0.1 % of white of those of evaluating each texel, in the mean.
@@ -51,8 +51,8 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
 
 def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunction | None = None) -> job.Settings:
     """The settings with a radius that suits the surface in an image, if they ask for one, by a small image of it."""
-    narrow = settings.radius_fit in job.NARROWED and color_maps.EDGES & set(settings.descriptors)
-    settings = job.fitted(settings, arrays, advice.LARGEST_IN_IMAGES)
+    narrow = settings.radius_fit in fitting.NARROWED and color_maps.EDGES & set(settings.descriptors)
+    settings = fitting.fitted(settings, arrays, advice.LARGEST_IN_IMAGES)
     if not narrow or job.backend_for(settings) == "reference":
         return settings
     with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
@@ -60,7 +60,7 @@ def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunctio
         def compute(chosen: job.Settings) -> job.Results:
             return job.run_on(context, mesh, arrays, with_texels(chosen, SMALL_SIDE), progress)
 
-        small = job.narrowed(settings, compute, attrgetter("maps"))
+        small = fitting.narrowed(settings, compute, attrgetter("maps"))
     return replace(settings, options=replace(settings.options, radius=small.settings.options.radius))
 
 

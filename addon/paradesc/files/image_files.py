@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from ..core import job, texel_centers, texel_tiles, transfer, udim
+from ..core import color_maps, fitting, job, texel_centers, texel_tiles, transfer, udim
 from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look
 from ..core.threads import go_on
@@ -97,6 +97,16 @@ class Encoded:
 
 
 @dataclass
+class Computed:
+    """What the textures of one object are drawn from."""
+
+    stem: str  # with which their names begin
+    found: list[job.Results]  # of each radius
+    arrays: MeshArrays
+    tiling: udim.Tiling
+
+
+@dataclass
 class Textures:
     """All textures of one object, and what they were made from."""
 
@@ -110,11 +120,10 @@ class Textures:
             found.setdefault(texture.name, []).append(texture)
         return found
 
-    def most_telling(self) -> str:
-        """The first of the images, unless it is black nearly everywhere and another is less so."""
-        dark = {name: sum(tile.dark for tile in tiles) / len(tiles) for name, tiles in self.by_name().items()}
-        first = next(iter(dark))
-        return first if dark[first] <= DARKEST else min(dark, key=dark.get)
+    def most_telling(self) -> int:
+        """The place of the first image, unless it is black nearly everywhere and another is less so."""
+        dark = [sum(tile.dark for tile in tiles) / len(tiles) for tiles in self.by_name().values()]
+        return 0 if dark[0] <= DARKEST else dark.index(min(dark))
 
 
 def word_of(name: str) -> str:
@@ -131,15 +140,9 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
-    exact = settings.options.evaluate == "texel"
-    in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, runs[0], choice.size, exact)
-    computing, drawing = shares(progress, in_turn)
-    found = [
-        texel_tiles.run(arrays, one, choice.size, tiling.tiles, job.part_of(computing, number, len(runs)))
-        for number, one in enumerate(runs)
-    ]
-    return packed(stem, found, arrays, choice, drawing, tiling)
+    before = BEGINNING if udim.of_mesh(arrays).tiles else COMPUTING
+    found = computed(stem, arrays, settings, choice, job.span_of(progress, 0.0, before))
+    return packed(found, choice, job.span_of(progress, before, 1.0))
 
 
 def run_onto(
@@ -152,31 +155,49 @@ def run_onto(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
-    tiling = udim.of_mesh(low.arrays)
-    computing, drawing = shares(progress, bool(tiling.tiles))
-    runs = choice.runs(settings, partial(job.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
+    before = BEGINNING if udim.of_mesh(low.arrays).tiles else COMPUTING
+    found = computed_onto(stem, low, highs, settings, choice, cage, job.span_of(progress, 0.0, before))
+    return packed(found, choice, job.span_of(progress, before, 1.0))
+
+
+def computed(
+    stem: str,
+    arrays: MeshArrays,
+    settings: job.Settings,
+    choice: Choice,
+    progress: ProgressFunction | None = None,
+) -> Computed:
+    """Computes what the textures of a mesh are drawn from."""
+    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
     found = [
-        transfer.run(low, highs, one, choice.size, cage, job.part_of(computing, number, len(runs)), tiling.tiles)
+        texel_tiles.run(arrays, one, choice.size, tiling.tiles, job.part_of(progress, number, len(runs)))
         for number, one in enumerate(runs)
     ]
-    return packed(stem, found, low.arrays, choice, drawing, tiling)
+    return Computed(stem, found, arrays, tiling)
 
 
-def shares(progress: ProgressFunction | None, in_turn: bool) -> tuple[ProgressFunction | None, ProgressFunction | None]:
-    """The progress of what comes before the textures, and of making them; in_turn: tile after tile is computed then."""
-    before = BEGINNING if in_turn else COMPUTING
-    return job.span_of(progress, 0.0, before), job.span_of(progress, before, 1.0)
-
-
-def packed(
+def computed_onto(
     stem: str,
-    found: list[job.Results],
-    arrays: MeshArrays,
+    low: transfer.Part,
+    highs: list[transfer.Part],
+    settings: job.Settings,
     choice: Choice,
-    making: ProgressFunction | None,
-    tiling: udim.Tiling,
-) -> Textures:
+    cage: float,
+    progress: ProgressFunction | None = None,
+) -> Computed:
+    """Computes what the textures of detailed surfaces over the UV map of a coarse one are drawn from."""
+    tiling = udim.of_mesh(low.arrays)
+    runs = choice.runs(settings, partial(fitting.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
+    found = [
+        transfer.run(low, highs, one, choice.size, cage, job.part_of(progress, number, len(runs)), tiling.tiles)
+        for number, one in enumerate(runs)
+    ]
+    return Computed(stem, found, low.arrays, tiling)
+
+
+def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = None) -> Textures:
     """Draws and packs the textures of what was computed, tile after tile."""
+    found, tiling = made_of.found, made_of.tiling
     for results in found:
         results.look = choice.look
     names = [name for results in found for name in results.values]
@@ -187,7 +208,7 @@ def packed(
     for number, tile in enumerate(tiles):
         of_tile = job.part_of(making, number, len(tiles))
         share = 0.0 if found[0].tiles is None else COMPUTING
-        bakes = bakes_of(stem, found, arrays, tile, job.span_of(of_tile, 0.0, share))
+        bakes = bakes_of(made_of, tile, job.span_of(of_tile, 0.0, share))
         textures, least = textures_of(bakes, groups, choice, tile, job.span_of(of_tile, share, 1.0))
         covered += least
         for word, texture in zip(groups, textures, strict=True):
@@ -198,19 +219,33 @@ def packed(
     results = joined(found)
     results.notes += tiling.notes
     results.warnings += tiling.warnings
-    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
+    if texel_centers.uv_area(made_of.arrays) > STACKED_SHARE * covered:
         results.warnings.append(maps.STACKED)
     return Textures(results, [texture for row in made.values() for texture in row])
 
 
-def bakes_of(
-    stem: str, found: list[job.Results], arrays: MeshArrays, tile: int | None, progress: ProgressFunction | None
-) -> dict[str, Baked]:
+def with_one_scale(look: Look, baked: list[Computed]) -> Look:
+    """The look with the ranges that all of these together have."""
+    every: dict[str, list[job.Results]] = {}
+    for results in (results for one in baked for results in one.found):
+        for name in results.values:
+            if results.values[name].ndim == 1:
+                every.setdefault(name, []).append(results)
+    return color_maps.with_one_scale(
+        look,
+        [
+            (job.registry_row(name), found[0].radius_of(name), [results.telling(name) for results in found])
+            for name, found in every.items()
+        ],
+    )
+
+
+def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:
     """What each descriptor is drawn from in a tile."""
     bakes = {}
-    for number, results in enumerate(found):
-        own = results.of_tile(tile, job.part_of(progress, number, len(found)))
-        baked = Baked(stem, own, arrays, np.eye(4))
+    for number, results in enumerate(made_of.found):
+        own = results.of_tile(tile, job.part_of(progress, number, len(made_of.found)))
+        baked = Baked(made_of.stem, own, made_of.arrays, np.eye(4))
         bakes.update(dict.fromkeys(results.values, baked))
     return bakes
 

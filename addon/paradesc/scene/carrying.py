@@ -1,8 +1,9 @@
 """Carries values to the mesh that modifiers make, by a Geometry Nodes modifier of ours at the end of the stack.
 
 The values lie on a carrier, an object in no scene whose mesh is the one that was measured. The modifier stores them by
-the vertices' numbers while the other modifiers make as many; else each vertex takes those of the carrier's nearest
-place. It changes no position and no face, so what is measured is the same with and without it.
+the vertices' numbers while the other modifiers make as many. Else the values of the object's own vertices stay, as
+Blender mixes them, which is right in every pose; where modifiers lose own vertices, the carrier's nearest place counts.
+The modifier changes no position and no face, so what is measured is the same with and without it.
 """
 
 import hashlib
@@ -22,6 +23,7 @@ CARRIER = "Values"
 SOCKETS = {"FLOAT": ("VALUE", "FLOAT"), "FLOAT_VECTOR": ("VECTOR", "VECTOR"), "FLOAT_COLOR": ("RGBA", "RGBA")}
 # The custom property of a group with what we made it of.
 LEFT = "paradesc_left"
+NEAREST = "GeometryNodeSampleNearestSurface"
 # The counts that tell whether the modifiers make the vertices and faces that were measured.
 COUNTS = ("Point Count", "Face Corner Count")
 
@@ -61,9 +63,10 @@ def carried_names(target: bpy.types.Object) -> list[str]:
     return [] if mesh is None else record.attributes_of(mesh)
 
 
-def carry(target: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
+def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, by_place: bool) -> None:
     """Makes this mesh that of the carrier, whose recorded attributes the modifier stores from now on.
 
+    by_place: where the modifiers make other vertices, those of the nearest place count, not those that Blender mixes.
     Objects that share the mesh before modifiers get the same modifier, as their own vertices share the values. What
     others use as well, such as copies with a mesh of their own, stays theirs.
     """
@@ -73,7 +76,7 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
     else:
         carrier = held_by(group)
         set_mesh(carrier, mesh)
-    build(group, carrier)
+    build(group, carrier, by_place)
     group[LEFT] = structure(group)
     for item in [target, *(other for other in sharing(target.data) if other != target and other.modifiers)]:
         place(item, group)
@@ -100,10 +103,10 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
         if carried and not kept:
             remove_modifier(target, modifier_of(target))
         elif len(kept) < len(carried):
-            held = carrier_of(target)
+            held, nodes = carrier_of(target), modifier_of(target).node_group.nodes
             held = held.copy() if own_group(target) is None else held
             keep_only(held, kept)
-            carry(target, held)
+            carry(target, held, by_place=any(node.bl_idname == NEAREST for node in nodes))
 
 
 def keep_only(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
@@ -186,7 +189,7 @@ def name_in(node: bpy.types.Node) -> str:
     return "" if socket is None else socket.default_value
 
 
-def build(group: bpy.types.NodeTree, carrier: bpy.types.Object) -> None:
+def build(group: bpy.types.NodeTree, carrier: bpy.types.Object, by_place: bool) -> None:
     """Fills a group with the nodes that store the carrier's recorded attributes; its former nodes go."""
     is_new = not group.nodes
     group.nodes.clear()
@@ -201,7 +204,7 @@ def build(group: bpy.types.NodeTree, carrier: bpy.types.Object) -> None:
     index = add_node(group, "GeometryNodeInputIndex", (-400, -500)).outputs[0]
     for row, name in enumerate(record.attributes_of(carrier.data)):
         data_type = kind_of(carrier.data.attributes[name])[0]
-        given = store(group, (200, -400 * row), given, name, data_type, (held, same, index))
+        given = store(group, (200, -400 * row), given, name, data_type, (held, same, index), by_place)
     group.links.new(given, add_node(group, "NodeGroupOutput", (500, 0)).inputs[0])
 
 
@@ -232,6 +235,7 @@ def store(
     name: str,
     data_type: str,
     sources: tuple[bpy.types.NodeSocket, bpy.types.NodeSocket, bpy.types.NodeSocket],
+    by_place: bool,
 ) -> bpy.types.NodeSocket:
     """Adds nodes that store one attribute of the carrier; sources: the carrier, whether counts agree, the index."""
     held, same, index = sources
@@ -246,16 +250,19 @@ def store(
 
     named = add_node(group, "GeometryNodeInputNamedAttribute", (x - 600, y), data_type=data_type)
     by_index = add_node(group, "GeometryNodeSampleIndex", (x - 400, y), data_type=data_type, domain="POINT")
-    nearest = add_node(group, "GeometryNodeSampleNearestSurface", (x - 400, y - 200), data_type=data_type)
     chosen = add_node(group, "GeometryNodeSwitch", (x - 200, y), input_type=switch_type)
     stored = add_node(group, "GeometryNodeStoreNamedAttribute", (x, y), data_type=data_type, domain="POINT")
     named.inputs["Name"].default_value = stored.inputs["Name"].default_value = name
-    for sampled, mesh in ((by_index, "Geometry"), (nearest, "Mesh")):
-        link(held, sampled.inputs[mesh])
-        link(only(named.outputs)[0], value(sampled.inputs))
+    link(held, by_index.inputs["Geometry"])
+    link(only(named.outputs)[0], value(by_index.inputs))
     link(index, by_index.inputs["Index"])
+    other = named
+    if by_place:
+        other = add_node(group, NEAREST, (x - 400, y - 200), data_type=data_type)
+        link(held, other.inputs["Mesh"])
+        link(only(named.outputs)[0], value(other.inputs))
     link(same, only(chosen.inputs, "BOOLEAN")[0])
-    for sampled, socket in zip((nearest, by_index), only(chosen.inputs), strict=True):
+    for sampled, socket in zip((other, by_index), only(chosen.inputs), strict=True):
         link(only(sampled.outputs)[0], socket)
     link(geometry, stored.inputs["Geometry"])
     link(only(chosen.outputs)[0], value(stored.inputs))

@@ -21,28 +21,29 @@ def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.R
         if reading.generated:
             return deliver_generated(target, results, reading)
         mesh_io.check_count(target.data, results)
-        at = mesh_io.places(target.data, results.values, results.extras)
+        extras = mesh_io.extras_on(target.data, results)
+        at = mesh_io.places(target.data, results.values, extras)
         mesh_io.write_at(target.data, results, at, mesh_io.drawing(target.data, results))
-        carrying.release(target.data, mesh_io.attribute_names(results.values, results.extras, at))
+        carrying.release(target.data, mesh_io.attribute_names(results.values, extras, at))
     return mesh_io.moved_notes(at)
 
 
 def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
     """Carries the results to what the modifiers make; the object's own vertices get theirs, or the nearest ones."""
-    mesh = carrier_mesh(target, reading.arrays)
-    if reading.vertices is None:
+    mesh, by_place = carrier_mesh(target, reading.arrays), reading.vertices is None
+    if by_place:
         reading = replace(reading, vertices=nearest(target.data, reading.arrays))
     try:
         own = on_original(results, reading)
         mesh_io.check_count(target.data, own)
-        at = mesh_io.places(target.data, results.values, results.extras)
+        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
         drawn = mesh_io.drawing(mesh, results)
         mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
         mesh_io.write_at(target.data, own, at, drawn)
     except ParadescError:
         bpy.data.meshes.remove(mesh)
         raise
-    carrying.carry(target, mesh)
+    carrying.carry(target, mesh, by_place)
     return mesh_io.moved_notes(at) + former_notes(target)
 
 
@@ -62,7 +63,7 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         results,
         values={name: values[at] for name, values in results.values.items()},
         coverage=results.coverage[at],
-        areas=None if results.areas is None else results.areas[at],
+        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
         seam_error={name: values[at] for name, values in results.seam_error.items()},

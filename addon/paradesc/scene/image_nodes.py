@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import bpy
 
 from ..core import legend
-from . import mesh_io
+from . import mesh_io, node_groups
 from .images import MARK, OBJECT
 
 FRAME = "Paradesc"
 # The custom property of nodes that are ours; those of images say whose mask they hold, and which image they had.
 OWN, LEFT = "paradesc_node", "paradesc_node_left"
-# The custom properties by which show/ knows its groups, and its nodes that give a mask from vertices.
-GROUP, OF_VERTICES = "paradesc_kind", "paradesc_mask_of"
+# The custom property of nodes of ours that give a mask from vertices.
+OF_VERTICES = "paradesc_mask_of"
 # The inputs of those groups that take a mask, and the descriptors that these are.
 TAKEN = {"Cavity": "cavity", "Edges": "convexity", "Edge Wear": "convexity"}
 CHANNELS = ("Red", "Green", "Blue")
@@ -40,8 +40,8 @@ class Texture:
         return ", ".join(legend.label(name) for name in self.holds)
 
 
-def add_to_material(target: bpy.types.Object, textures: list[Texture]) -> bpy.types.Material:
-    """Puts textures into the object's active material, the first one active; without one it makes a material."""
+def add_to_material(target: bpy.types.Object, textures: list[Texture], active: int = 0) -> bpy.types.Material:
+    """Puts textures into the object's active material; an object without one gets one that shows the active texture."""
     material = target.active_material
     if material is None:
         if target.data.library is not None or target.data.override_library is not None:
@@ -57,9 +57,9 @@ def add_to_material(target: bpy.types.Object, textures: list[Texture]) -> bpy.ty
         link_masks(tree, node, texture)
     for node in tree.nodes:
         node.select = node in nodes
-    tree.nodes.active = nodes[0]
+    tree.nodes.active = nodes[active]
     if material.get(MARK):
-        show(tree, nodes[0])
+        show(tree, nodes[active])
     return material
 
 
@@ -146,7 +146,7 @@ def link_masks(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture)
     inputs = [
         (socket, TAKEN[socket.name])
         for group in tree.nodes
-        if getattr(group, "node_tree", None) is not None and GROUP in group.node_tree
+        if getattr(group, "node_tree", None) is not None and node_groups.MARK in group.node_tree
         for socket in group.inputs
         if TAKEN.get(socket.name) in texture.holds
     ]

@@ -1,8 +1,11 @@
 """The add-on's own preferences, which apply to this machine and not to a scene."""
 
+import re
 from pathlib import Path
 
 import bpy
+
+from . import asset_library
 
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
@@ -16,7 +19,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     memory_limit: bpy.props.FloatProperty(
         name="Memory Limit (GB)",
-        description="What would take more memory than this is refused before it begins; 0: half of what is free then",
+        description="Refuse bakes that need more memory than this; 0 is automatic, half of what is free at the time",
         default=0.0,
         min=0.0,
         soft_max=64.0,
@@ -27,7 +30,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     show_results: bpy.props.BoolProperty(
         name="Show Results",
-        description="After a bake, solid viewports show its colors; the panel's Restore Shading takes that back",
+        description="After a bake or with Live, solid viewports show its colors in flat light; the eye takes that back",
         default=True,
     )
     presets_folder: bpy.props.StringProperty(
@@ -37,17 +40,43 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         subtype="DIR_PATH",
     )
 
+    research_settings: bpy.props.BoolProperty(
+        name="Research Settings",
+        description="Draw every setting in the panels, also those that compare methods and reproduce the paper",
+        default=False,
+    )
+
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draws the settings."""
-        self.layout.use_property_split = True
-        for name in ("show_results", "memory_limit", "presets_folder"):
-            self.layout.prop(self, name)
+        """Draws the settings, and where to read on."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "show_results")
+        layout.prop(self, "research_settings")
+        limit = layout.row()
+        limit.prop(self, "memory_limit")
+        if self.memory_limit == 0:
+            limit.label(text="Automatic")
+        layout.prop(self, "presets_folder")
+        asset_library.draw(layout)
+        row = layout.row()
+        row.operator("paradesc.manual", text="Documentation", icon="HELP")
+        home = website()
+        if home:
+            row.operator("wm.url_open", text="Website", icon="URL").url = home
+        if tracker(home):
+            row.operator("wm.url_open", text="Report a Bug", icon="ERROR").url = tracker(home)
 
 
 def found() -> PARADESC_AP_preferences | None:
     """The preferences, or None if the add-on is imported but not enabled."""
     addon = bpy.context.preferences.addons.get(ADDON)
     return None if addon is None else addon.preferences
+
+
+def shows_research() -> bool:
+    """Whether the panels draw every setting."""
+    preferences = found()
+    return preferences is not None and preferences.research_settings
 
 
 def memory_limit() -> int:
@@ -67,6 +96,20 @@ def presets_folder() -> Path | None:
     preferences = found()
     chosen = "" if preferences is None else preferences.presets_folder
     return Path(bpy.path.abspath(chosen)) if chosen else None
+
+
+def website() -> str:
+    """The address that the manifest of a package names, or ""."""
+    manifest = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
+    text = manifest.read_text(encoding="utf-8") if manifest.is_file() else ""
+    named = re.search(r'^website = "([^"]+)"', text, re.MULTILINE)
+    return named[1] if named else ""
+
+
+def tracker(home: str) -> str:
+    """The address for reports of bugs, if the website is a repository on a forge; or ""."""
+    repository = re.fullmatch(r"(https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?)/?", home)
+    return f"{repository[1]}/issues" if repository else ""
 
 
 classes = (PARADESC_AP_preferences,)

@@ -191,7 +191,7 @@ def on_look(scene: bpy.types.Scene) -> None:
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
-    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if item.mode != "EDIT"]
+    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
     shown = [(item, name) for item in found if (name := shown_name(item.data))]
     if scene.paradesc_looks.same_scale:
         look = color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
@@ -199,6 +199,11 @@ def on_look(scene: bpy.types.Scene) -> None:
         if item.data.library is None:
             with suppress(ParadescError):  # what was painted over stays, as a click on Recolor says
                 recolor_object(item, name, look)
+
+
+def is_still(item: bpy.types.Object) -> bool:
+    """Whether nobody else writes the colors of its mesh now: live values follow by themselves."""
+    return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
@@ -250,7 +255,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):
-    """Set this viewport to solid shading with the colors of attributes"""
+    """Set this viewport to solid shading with the colors of attributes, in flat light"""
 
     bl_idname = "paradesc.view_colors"
     bl_label = "View Colors"
@@ -264,7 +269,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
         """Changes the shading of this viewport alone."""
         shading = context.space_data.shading
         shading.type = "SOLID"
-        viewports.show_attributes(context.screen, shading)
+        viewports.show_attributes(context.screen, shading, viewports.wanted(context))
         return {"FINISHED"}
 
 

@@ -5,7 +5,7 @@ import bpy
 from ..scene import image_preview, image_results
 from ..scene.image_results import ImageBake
 from ..settings.translation import label
-from .drawing import button, sentence_lines, side_by_side
+from .drawing import sentence_lines
 
 
 def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -17,15 +17,16 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     sentence_lines(context, column, result_sentence(made))
     shown = image_preview.shown(context.active_object)
     for image in images:
-        text = label("Show on Mesh") if len(images) == 1 else image.name
+        text = label("Show on Mesh" if len(images) == 1 else made.label(image))
         options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
-        button(context, column, "paradesc.show_image", text, **options).name = image.name
-    packed = image_results.is_packed(images[0])
-    last = ("paradesc.save_images", label("Save")) if packed else ("paradesc.open_image_folder", label("Folder"))
-    row = side_by_side(context, column, [label("Open"), last[1]])
+        column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
     opened = next((image for image in images if image.name == shown), images[0])
-    for name, text in (("paradesc.open_image", label("Open")), last):
-        button(context, row, name, text).name = opened.name
+    row = column.row(align=True)
+    row.operator("paradesc.open_image", text="Open").name = opened.name
+    if image_results.is_packed(images[0]):
+        row.operator("paradesc.save_images", text="Save").name = opened.name
+    else:
+        row.operator("paradesc.open_image_folder", text="Folder").name = opened.name
     for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
         for sentence in sentences.splitlines():
             sentence_lines(context, column, sentence, kind)
