@@ -51,7 +51,7 @@ def screenshot(area: bpy.types.Area, path: str) -> Iterator[None]:
 def legend_steps(path: str) -> Iterator[None]:
     """Bakes, shows the colors and takes the picture."""
     yield from alone()
-    subjects.baked_monkey("mean_curvature")
+    subjects.baked(subjects.creature(), "mean_curvature")
     place = from_the_front()
     with bpy.context.temp_override(**place):
         bpy.ops.paradesc.view_colors()
@@ -62,8 +62,7 @@ def legend_steps(path: str) -> Iterator[None]:
 def sculpting_steps(path: str) -> Iterator[None]:
     """Masks the edges in sculpt mode and takes the picture."""
     yield from alone()
-    subjects.monkey()
-    bpy.context.scene.paradesc.radius_percent = subjects.RADIUS_PERCENT
+    subjects.creature()
     place = from_the_front()
     with bpy.context.temp_override(**place):
         bpy.ops.object.mode_set(mode="SCULPT")
@@ -91,7 +90,7 @@ def panel_steps(path: str) -> Iterator[None]:
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
-        mesh = subjects.monkey(applied=False).data
+        mesh = subjects.creature().data
         bpy.ops.screen.screen_full_area(use_hide_panels=True)
     yield
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
