@@ -10,8 +10,6 @@ from ..settings import preferences
 from ..settings.translation import label
 from .drawing import SettingsPanel, setting
 
-# Of a row with two columns, as Blender has it.
-NAME_SHARE = 0.4
 # Backends that bake buffers first, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
 # Operators that look at their map through Gaussian windows.
@@ -79,12 +77,10 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         """Draws samples, creases and device, and what only devices or research know."""
         for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
             setting(layout, settings, name)
-        row = layout.split(factor=NAME_SHARE)
-        name = row.column()
-        name.alignment = "RIGHT"
-        name.label(text="Device")
+        column = layout.column(align=True)
+        column.label(text="Device")
         text = device_words(devices.label_of(settings.backend, settings.device_index))
-        row.menu("PARADESC_MT_devices", text=text, translate=False)
+        column.menu("PARADESC_MT_devices", text=text, translate=False)
         if settings.backend in WITH_BUFFERS:
             setting(layout, settings, "buffer_size")
 
