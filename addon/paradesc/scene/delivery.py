@@ -39,13 +39,27 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
     at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
     drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
     mesh_io.write_at(target.data, own, at, drawn)
-    mesh = carrying.emptied(target)
-    faces = triangles if is_lost else triangles[:0]  # by which places are found again
-    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
-    add_earlier(mesh, target.data, reading.earlier)
+    mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
     mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-    carrying.carry(target, mesh, carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost))
+    carrying.carry(target, mesh, measured(arrays, is_lost))
     return mesh_io.moved_notes(at) + former_notes(target)
+
+
+def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
+    """What the modifiers made; is_lost: not with every own vertex."""
+    return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
+
+
+def carrier_mesh(
+    target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
+) -> bpy.types.Mesh:
+    """The mesh of the object's carrier with the measured vertices, and the values of earlier bakes alone."""
+    triangles = arrays.triangle_vertices
+    faces = triangles if is_lost else triangles[:0]  # by which places are found again
+    mesh = carrying.emptied(target)
+    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
+    add_earlier(mesh, target.data, earlier)
+    return mesh
 
 
 def add_earlier(mesh: bpy.types.Mesh, own: bpy.types.Mesh, earlier: dict[str, np.ndarray]) -> None:
