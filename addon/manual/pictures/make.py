@@ -14,6 +14,7 @@ import drawings
 import onto
 import pages
 import renders
+import worn
 
 import window
 
@@ -25,6 +26,7 @@ KINDS = {
     "creases": drawings.draw_creases,
     "frames": drawings.draw_frames,
     "maps": drawings.draw_maps,
+    "wear": worn.render_wear,
     "beside": beside.render_beside,
     "onto": onto.render_onto,
     "presets": pages.draw_presets,

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Draws the pictures of the manual with the Blender that is installed: some in a window on a screen that nobody sees, some by a render.
 # The kind panel leaves first_mask.png, too, and fails unless one click shows a grey mask and the panel fits a screen.
-# Usage: bash addon/manual/pictures/make.sh [FOLDER] [KIND...], KIND: legend panel hero cavity descriptors radii creases frames maps beside onto sculpting presets textures export trouble
+# Usage: bash addon/manual/pictures/make.sh [FOLDER] [KIND...], KIND: legend panel hero cavity wear descriptors radii creases frames maps beside onto sculpting presets textures export trouble
 set -euo pipefail
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$(mkdir -p "${1:-$folder}/descriptors" && cd "${1:-$folder}" && pwd)
@@ -17,7 +17,7 @@ in_window() {
 }
 
 kinds=("$@")
-[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel hero cavity descriptors radii creases frames maps beside onto sculpting presets textures export trouble)
+[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel hero cavity wear descriptors radii creases frames maps beside onto sculpting presets textures export trouble)
 for kind in "${kinds[@]}"; do
   case $kind in
     legend) in_window 720 520 legend ;;

@@ -95,10 +95,10 @@ def show(made: bpy.types.Object, name: str, color_map: str) -> None:
 
 
 def over_night(file: str) -> np.ndarray:
-    """(HEIGHT, WIDTH, 3) uint8: a rendered file with its transparent parts on the dark ground."""
+    """(height, width, 3) uint8: a rendered file with its transparent parts on the dark ground."""
     image = bpy.data.images.load(file)
     image.alpha_mode = "CHANNEL_PACKED"
-    pixels = np.array(image.pixels[:], np.float32).reshape(HEIGHT, WIDTH, 4)[::-1]
+    pixels = np.array(image.pixels[:], np.float32).reshape(image.size[1], image.size[0], 4)[::-1]
     bpy.data.images.remove(image)
     color, share = 255 * pixels[..., :3], pixels[..., 3:]
     return np.round(color * share + np.array(NIGHT) * (1 - share)).clip(0, 255).astype(np.uint8)
