@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ..bridge import MeshArrays
 from ..scene import arrays, carrying, delivery, mesh_io, ownership, record
@@ -31,15 +32,22 @@ def paint(painter: painting.Painter, target: bpy.types.Object, values: painting.
             return
         raise surfaces.lost(target)
     if not fits:
-        mesh = delivery.carrier_mesh(target, made.arrays)
+        earlier = earlier_values(target, len(made.arrays.positions))
+        mesh = delivery.carrier_mesh(target, made.arrays, not made.keeps_own, earlier)
         mesh_io.make_attributes(mesh, names)
     ownership.forget(mesh, names)
     for name, array in painter.attribute_values(values):
         arrays.set_values(mesh.attributes[name], array)
     if not fits:
         painting.leave_record(mesh, values, painter.ranges, painter.at)
-        carrying.carry(target, mesh, by_place=not made.keeps_own)
+        carrying.carry(target, mesh, delivery.measured(made.arrays, not made.keeps_own))
     mesh.update()
+
+
+def earlier_values(target: bpy.types.Object, count: int) -> dict[str, np.ndarray]:
+    """What is carried so far, at the vertices that modifiers make now; {} if these are not so many."""
+    mesh = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return carrying.carried_values(target, mesh) if len(mesh.vertices) == count else {}
 
 
 def leave(target: bpy.types.Object) -> None:
