@@ -46,29 +46,25 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
 
 
 def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
-    """What the modifiers made; is_lost: not with every own vertex."""
+    """What carrying has to know of the mesh that was measured; is_lost: it lacks own vertices of the object."""
     return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
 
 
 def carrier_mesh(
     target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
 ) -> bpy.types.Mesh:
-    """The mesh of the object's carrier with the measured vertices, and the values of earlier bakes alone."""
-    triangles = arrays.triangle_vertices
-    faces = triangles if is_lost else triangles[:0]  # by which places are found again
-    mesh = carrying.emptied(target)
+    """The mesh of a carrier, with the values of earlier bakes whose attributes the object's own mesh still has.
+
+    It has faces only where places have to be found again, because own vertices are lost.
+    """
+    mesh, faces = carrying.emptied(target), arrays.triangle_vertices if is_lost else np.empty((0, 3), np.int32)
     fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
-    add_earlier(mesh, target.data, earlier)
-    return mesh
-
-
-def add_earlier(mesh: bpy.types.Mesh, own: bpy.types.Mesh, earlier: dict[str, np.ndarray]) -> None:
-    """Gives a carrier's mesh the values of earlier bakes whose attributes the object's own mesh still has."""
-    kept = {name: values for name, values in earlier.items() if name in own.attributes}
+    kept = {name: values for name, values in earlier.items() if name in target.data.attributes}
     mesh_io.make_attributes(mesh, list(kept))
     for name, values in kept.items():
         set_values(mesh.attributes[name], values)
-    record.take_over(own, mesh)
+    record.take_over(target.data, mesh)
+    return mesh
 
 
 def on_original(results: Results, reading: source_meshes.Reading) -> Results:
