@@ -82,7 +82,7 @@ def reveal(context: bpy.types.Context) -> None:
     """
     if bpy.app.background or not preferences.shows_results():
         return
-    image_preview.hide()  # which lies over them
+    image_preview.hide()  # which would lie over them
     screen, look = context.screen, wanted(context)
     for number, shading in shadings(screen):
         seen = number in formers(screen) and shading.color_type == ATTRIBUTES
@@ -108,6 +108,7 @@ def can_restore(context: bpy.types.Context) -> bool:
 
 def restore(screen: bpy.types.Screen) -> None:
     """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
+    image_preview.hide()
     former = formers(screen)
     del screen[FORMER]
     for number, shading in shadings(screen):
