@@ -505,4 +505,5 @@ def test_the_file_of_assets_is_what_the_script_makes(monkeypatch):
         block.name = "made anew"
         found = assets.append(kind, name)
         assert tuned.fingerprint(found) == expected, name
+        getattr(bpy.data, kind).remove(found)
         block.name = name

@@ -97,7 +97,7 @@ def fault(target: bpy.types.Object) -> str:
 
 def has_nodes(material: bpy.types.Material) -> bool:
     """Whether the material shows what its nodes make; since Blender 5 every one does."""
-    return material.node_tree is not None and material.use_nodes
+    return material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
