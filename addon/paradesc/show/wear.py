@@ -200,7 +200,8 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     """Gives an object without material one of the looks; all that have masks at vertices share it."""
-    material = next((item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)), None)
+    ours = [item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)]
+    material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
     if material is None or of_images:
         material = append("materials", name)
         material[MARK] = name
