@@ -243,6 +243,16 @@ def test_crates_without_a_material_have_one_each_as_their_images_differ():
     assert len(bpy.data.materials) == 0
 
 
+def test_a_fine_mesh_never_gets_the_look_with_images_of_a_crate(target):
+    box = crate()
+    select(box)
+    add_wear()
+    select(target)
+    add_wear()
+    assert target.active_material != box.active_material
+    assert sources(target.active_material)["Edges"] == "ATTRIBUTE"
+
+
 def test_a_material_that_crates_share_has_masks_at_vertices():
     first, second = crate("first"), crate("second")
     material = user_material(target=first)
@@ -505,4 +515,5 @@ def test_the_file_of_assets_is_what_the_script_makes(monkeypatch):
         block.name = "made anew"
         found = assets.append(kind, name)
         assert tuned.fingerprint(found) == expected, name
+        getattr(bpy.data, kind).remove(found)
         block.name = name

@@ -97,7 +97,7 @@ def fault(target: bpy.types.Object) -> str:
 
 def has_nodes(material: bpy.types.Material) -> bool:
     """Whether the material shows what its nodes make; since Blender 5 every one does."""
-    return material.node_tree is not None and material.use_nodes
+    return material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
@@ -200,7 +200,8 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     """Gives an object without material one of the looks; all that have masks at vertices share it."""
-    material = next((item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)), None)
+    ours = [item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)]
+    material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
     if material is None or of_images:
         material = append("materials", name)
         material[MARK] = name
