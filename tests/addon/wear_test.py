@@ -5,6 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from paradesc.scene.node_groups import input_of  # noqa: E402
 from paradesc.settings import asset_library  # noqa: E402
 from paradesc.show import assets, passing, tuned, wear  # noqa: E402
 from scene import add_sphere, fingerprint, select  # noqa: E402
@@ -313,6 +314,18 @@ def test_wear_whose_masks_other_nodes_use_stays_with_a_sentence(target):
     (sentence,) = wear.remove(target)
     assert "Dirt" in sentence
     assert links_of(material) == before
+
+
+def test_a_group_from_which_somebody_took_an_input_still_goes_in_and_out(target):
+    material = user_material(target=target)
+    before = everything_in(material)
+    group = assets.shared_group(wear.GROUP)
+    for name in ("Metallic", "Dirt Level", "Proportions"):
+        (group.interface if hasattr(group, "interface") else group.inputs).remove(input_of(group, name))
+    add_wear(look="OLD_STONE")
+    assert len(wear_nodes(material)) == 1
+    bpy.ops.paradesc.remove_wear()
+    assert everything_in(material) == before
 
 
 # ---- What stands in the way
