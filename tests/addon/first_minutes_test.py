@@ -37,10 +37,10 @@ def arrays_of(target, source):
     return targets.read(target, job.Settings(), targets.ReadRequest(source=source)).arrays
 
 
-def test_one_click_bakes_a_grey_cavity_mask_of_the_surface_that_is_shown(monkey):
+def test_one_click_bakes_both_grey_masks_of_the_surface_that_is_shown(monkey):
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
     mesh = monkey.data
-    assert mesh.color_attributes.active_color.name == "cavity_color"
+    assert {"cavity_color", "convexity_color"} <= {item.name for item in mesh.color_attributes}
     colors = attribute_values(mesh, "cavity_color")
     np.testing.assert_allclose(colors[:, :2], colors[:, 1:3], atol=1e-5)
     assert np.ptp(colors[:, 0]) > 0.3
@@ -102,12 +102,14 @@ def test_masks_are_grey_and_values_with_a_sign_have_two_colors(name):
 
 def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     group = bpy.context.scene.paradesc
-    assert presets.chosen_mask(group) == "cavity"  # of a new scene
+    assert presets.chosen_masks(group) == ["cavity", "edge_wear"]  # of a new scene
     for name in presets.MASKS:
         presets.apply(group, name)
         assert presets.chosen_mask(group) == name
     group.descriptors = {"cavity", "convexity"}
     assert presets.chosen_mask(group) == ""
+    group.descriptors = {"cavity", "shape_index"}
+    assert presets.chosen_masks(group) == []
 
 
 def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
@@ -143,6 +145,15 @@ def test_coarse_meshes_have_a_radius_of_four_percent_at_most_and_no_warning(step
     edge = 100 * stored["mesh_report"]["mean_edge"] / stored["mesh_report"]["diagonal"]
     assert stored["settings"]["radius"] == pytest.approx(0.01 * min(1.5 * edge, 4.0), rel=0.01)
     assert stored["warnings"] == ""
+
+
+def test_a_mask_that_is_black_nearly_everywhere_gives_way_to_the_other():
+    target = add_sphere(steps=8)  # it has no cavity
+    bpy.ops.paradesc.bake()
+    assert target.data.color_attributes.active_color.name == "convexity_color"
+    target.data.flip_normals()
+    bpy.ops.paradesc.bake()
+    assert target.data.color_attributes.active_color.name == "cavity_color"
 
 
 def test_values_that_are_no_masks_have_the_usual_radius():
@@ -258,7 +269,7 @@ def test_a_recovered_file_keeps_the_defaults_of_today(before, tmp_path):
     path = saved_scene(tmp_path / "recovered.blend")
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene = bpy.context.scene
-    assert (scene.paradesc.descriptors, scene.paradesc.texels) == ({"cavity"}, 1024)
+    assert (scene.paradesc.descriptors, scene.paradesc.texels) == ({"cavity", "convexity"}, 1024)
     assert scene.paradesc_animation.source == "auto"
 
 
@@ -266,5 +277,5 @@ def test_a_new_file_keeps_its_own(tmp_path):
     bpy.context.scene.paradesc.samples = 64
     bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "new.blend")))
     scene = bpy.context.scene
-    assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity"})
+    assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity", "convexity"})
     assert scene.paradesc_animation.source == "auto"

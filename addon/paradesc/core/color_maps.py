@@ -250,11 +250,13 @@ def value_range(
 
 def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[np.ndarray]]]) -> Look:
     """The look with the range that all meshes together have, of each descriptor with its radius and their values."""
+    if look.ranges:
+        return look
     ranges = {}
     for descriptor, radius, values in baked:
         shown = value_range(np.concatenate(values), descriptor, radius, look)
         ranges[descriptor.name] = (shown.minimum, shown.maximum)
-    return replace(look, ranges={**ranges, **look.ranges})
+    return replace(look, ranges=ranges)
 
 
 def strong(values: np.ndarray, areas: np.ndarray | None, low: float, high: float) -> float:

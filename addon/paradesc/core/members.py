@@ -119,7 +119,8 @@ SPANS = [
     ("percentile", "Percentiles", "All values but a percentage on either side"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),
 ]
-DEFAULT_DESCRIPTOR = "cavity"
+# The first click gives both masks: one of them suits any mesh, and worn materials take both.
+DEFAULT_DESCRIPTORS = {"cavity", "convexity"}
 HIGHEST_BIT = 30  # the highest bit of positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
@@ -165,7 +166,7 @@ def descriptor_members() -> dict[str, Member]:
             "choices", name="Descriptors",
             description="What to compute, any number of them: several cost little more than one",
             items=items,
-            default={default_of(items, DEFAULT_DESCRIPTOR)},
+            default=DEFAULT_DESCRIPTORS & {item[0] for item in items} or {items[0][0]},
         ),
         "map_descriptor": member(
             "choice", name="Map Descriptor",

@@ -205,12 +205,12 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
         make_attributes(mesh, names)
         layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         shown = {name: results.shown(name) for name in results.values}
+        seen = {name: extremes(mesh, values, shown[name]) for name, values in results.values.items()}
         write_values(mesh, results, shown, at)
+        show(mesh, at[most_telling(seen)])
         drawn = {
-            at[name]: record.drawing_of(shown[name], results, name)
-            | automatic(shown[name], results.look)
-            | extremes(mesh, values, shown[name])
-            for name, values in results.values.items()
+            at[name]: record.drawing_of(shown[name], results, name) | automatic(shown[name], results.look) | seen[name]
+            for name in shown
         }
         ranges = {at[name]: span for name, span in shown.items()}
         record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
@@ -251,10 +251,21 @@ def write_values(
         write_colors(mesh, at[name], values, shown[name])
     for name, values in results.extras.items():
         set_values(mesh.attributes[at[name]], values)
-    first = at[next(iter(results.values))] + "_color"
+
+
+def show(mesh: bpy.types.Mesh, name: str) -> None:
+    """Makes the colors of a descriptor's values the active ones, in the viewport and for rendering."""
     colors = mesh.color_attributes
-    colors.active_color = colors[first]
-    colors.render_color_index = colors.find(first)
+    colors.active_color = colors[f"{name}_color"]
+    colors.render_color_index = colors.find(f"{name}_color")
+
+
+def most_telling(seen: dict[str, dict[str, float]]) -> str:
+    """The first of the values, by what extremes() gives; a mask that is black nearly everywhere gives way to another."""
+    first = next(iter(seen))
+    if seen[first].get("dark", 0.0) <= DARKEST:
+        return first
+    return min((name for name in seen if seen[name]), key=lambda name: seen[name]["dark"])
 
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
@@ -263,7 +274,8 @@ def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, 
 
 
 # What is nearly black and nearly white, as shares of the color map; so many faces tell how much of the mesh is.
-DARK, BRIGHT, ENOUGH_FACES = 0.05, 0.95, 100_000
+# A mask of which more than DARKEST is nearly black shows little.
+DARK, BRIGHT, DARKEST, ENOUGH_FACES = 0.05, 0.95, 0.8, 100_000
 
 
 def extremes(mesh: bpy.types.Mesh, values: np.ndarray, shown: color_maps.ValueRange) -> dict[str, float]:

@@ -7,8 +7,8 @@ from ..core import source_kinds
 from .properties import VERSION
 
 # Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise; those before
-# version 2 measured at 2 % of the diagonal.
-FORMER_DESCRIPTOR, FORMER_TEXELS = "mean_curvature", 512
+# version 2 measured one mask, at 2 % of the diagonal.
+FORMER_DESCRIPTORS, FORMER_TEXELS = ("mean_curvature", "cavity"), 512
 
 
 @persistent
@@ -34,8 +34,11 @@ def migrate(scene: bpy.types.Scene) -> None:
     group, animation = scene.paradesc, scene.paradesc_animation
     if group.version >= VERSION or not stores_any(group):
         return
+    former, known = FORMER_DESCRIPTORS[group.version], group.bl_rna.properties["descriptors"].enum_items
     if group.version == 0:
         keep_first_defaults(group, animation)
+    if not group.is_property_set("descriptors") and former in known:
+        group.descriptors = {former}
     if not group.is_property_set("radius_fit"):
         group.radius_fit = "typed"
     group.version = VERSION
@@ -43,9 +46,6 @@ def migrate(scene: bpy.types.Scene) -> None:
 
 def keep_first_defaults(group: bpy.types.PropertyGroup, animation: bpy.types.PropertyGroup) -> None:
     """Stores the defaults that had no version yet."""
-    known = group.bl_rna.properties["descriptors"].enum_items
-    if not group.is_property_set("descriptors") and FORMER_DESCRIPTOR in known:
-        group.descriptors = {FORMER_DESCRIPTOR}
     if not group.is_property_set("texels"):
         group.texels = FORMER_TEXELS
     if not animation.is_property_set("source"):

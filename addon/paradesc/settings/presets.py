@@ -18,9 +18,17 @@ chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
+def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
+    """The masks that are chosen; none if something else is chosen as well."""
+    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= group.descriptors]
+    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
+    return found if every == group.descriptors else []
+
+
 def chosen_mask(group: bpy.types.PropertyGroup) -> str:
-    """The mask whose descriptors are chosen, or ""."""
-    return next((name for name in MASKS if PRESETS[name].members["descriptors"] == group.descriptors), "")
+    """The only mask that is chosen, or ""."""
+    found = chosen_masks(group)
+    return found[0] if len(found) == 1 else ""
 
 
 def members() -> list[str]:

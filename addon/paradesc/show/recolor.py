@@ -81,8 +81,8 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     drawn = stored.get("drawn", {}).get(name, {})
     radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
     found = drawn.get("automatic")
-    if found and look.percentile is None and look.neutral is None:
-        look = replace(look, ranges={registry_name(name): tuple(found), **look.ranges})
+    if found and not look.ranges and look.percentile is None and look.neutral is None:
+        look = replace(look, ranges={registry_name(name): tuple(found)})
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
     drawn = {**record.drawing(shown), **mesh_io.extremes(mesh, values, shown), **{word: drawn[word] for word in KEPT if word in drawn}}
@@ -90,13 +90,6 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     ownership.leave(mesh, [colors])
     mesh.update()
     return shown
-
-
-def show(mesh: bpy.types.Mesh, name: str) -> None:
-    """Makes a descriptor's colors the active ones, in the viewport and for rendering."""
-    attributes = mesh.color_attributes
-    attributes.active_color = attributes[f"{name}_color"]
-    attributes.render_color_index = attributes.find(f"{name}_color")
 
 
 def obstacle(context: bpy.types.Context) -> str:
@@ -234,7 +227,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes its colors the active ones on each mesh for which it was baked."""
         if self.name in baked_names(target.data):
-            show(target.data, self.name)
+            mesh_io.show(target.data, self.name)
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):

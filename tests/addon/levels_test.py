@@ -1,0 +1,140 @@
+"""Levels of masks: contrast, brightness and inversion act at once; several meshes may share one range."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from paradesc.core import color_maps  # noqa: E402
+from paradesc.scene import record  # noqa: E402
+from scene import add_sphere, attribute_values, select  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+NAME = "convexity"
+
+
+def bumpy(name="bumpy", height=0.3):
+    """A sphere with a bump, which is what stands out of it."""
+    target = add_sphere(name, steps=12)
+    for vertex in target.data.vertices:
+        if vertex.co.z > 0.9:
+            vertex.co.z += height
+    return target
+
+
+def bake(*targets):
+    """Bakes edge wear on these."""
+    select(*targets)
+    bpy.context.scene.paradesc.descriptors = {NAME}
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+
+
+def greys(target):
+    """(n,) what shaders read of the mask that is shown."""
+    return attribute_values(target.data, f"{NAME}_color").reshape(-1, 4)[:, 0]
+
+
+@pytest.fixture
+def looks():
+    return bpy.context.scene.paradesc_looks
+
+
+def test_the_mask_is_the_value_over_its_range(looks):
+    target = bumpy()
+    bake(target)
+    low, high = record.read(target.data)["ranges"][NAME]
+    expected = np.clip((attribute_values(target.data, NAME) - low) / (high - low), 0, 1)
+    np.testing.assert_allclose(greys(target), expected, atol=1e-6)  # of 32-bit floats
+
+
+def test_levels_act_at_once_and_leave_values_and_range(looks):
+    target = bumpy()
+    bake(target)
+    plain, values, span = greys(target), attribute_values(target.data, NAME), record.read(target.data)["ranges"][NAME]
+    looks.invert = True
+    np.testing.assert_allclose(greys(target), 1 - plain, atol=1e-6)
+    looks.invert, looks.brightness = False, 0.5
+    np.testing.assert_allclose(greys(target), np.sqrt(plain), atol=1e-6)  # exponent 4 ** -0.5
+    looks.brightness, looks.contrast = 0.0, 0.5
+    steep = np.tan(np.pi * 0.375)
+    np.testing.assert_allclose(greys(target), np.clip(0.5 + steep * (plain - 0.5), 0, 1), atol=1e-5)
+    looks.contrast = 0.0
+    np.testing.assert_allclose(greys(target), plain, atol=1e-6)
+    np.testing.assert_array_equal(attribute_values(target.data, NAME), values)
+    assert record.read(target.data)["ranges"][NAME] == pytest.approx(span)
+
+
+def test_the_next_bake_has_the_levels_too(looks):
+    target = bumpy()
+    bake(target)
+    plain = greys(target)
+    looks.invert = True
+    bake(target)
+    np.testing.assert_allclose(greys(target), 1 - plain, atol=1e-6)
+
+
+def test_colors_that_were_painted_over_stay_when_levels_change(looks):
+    target = bumpy()
+    bake(target)
+    colors = target.data.attributes[f"{NAME}_color"].data
+    colors[0].color = (1, 0, 0, 1)
+    looks.invert = True
+    assert tuple(colors[0].color) == (1, 0, 0, 1)
+
+
+def test_brightness_leaves_black_and_white_and_the_middle_of_two_sided_maps():
+    levels = color_maps.Levels(brightness=0.7)
+    np.testing.assert_array_equal(levels.applied(np.array([0.0, 1.0]), False), [0, 1])
+    assert levels.applied(np.array([0.5]), True)[0] == 0.5
+
+
+@pytest.mark.parametrize("contrast", [-1.0, 1.0])
+def test_contrast_goes_from_the_middle_alone_to_black_and_white(contrast):
+    found = color_maps.Levels(contrast=contrast).applied(np.array([0.0, 0.25, 0.75, 1.0]), False)
+    np.testing.assert_allclose(found, [0.5] * 4 if contrast < 0 else [0, 0, 1, 1], atol=1e-12)
+
+
+def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(looks):
+    one, other = bumpy("one", 0.1), bumpy("other", 0.6)
+    bake(one, other)
+
+    def spans():
+        return [record.read(item.data)["ranges"][NAME][1] for item in (one, other)]
+
+    own = spans()
+    assert own[0] != pytest.approx(own[1], rel=0.1)
+    looks.same_scale = True
+    assert spans()[0] == spans()[1]
+    looks.same_scale = False
+    assert spans() == pytest.approx(own)
+    looks.same_scale = True
+    bake(one, other)
+    assert spans()[0] == spans()[1]
+
+
+def test_a_bake_tells_how_much_of_a_mask_is_black_or_white(looks):
+    target = bumpy()
+    bake(target)
+    drawn = record.read(target.data)["drawn"][NAME]
+    looks.invert = True
+    turned = record.read(target.data)["drawn"][NAME]
+    assert (turned["dark"], turned["bright"]) == pytest.approx((drawn["bright"], drawn["dark"]), abs=1e-6)
+    looks.invert, looks.contrast = False, 1.0
+    assert sum(record.read(target.data)["drawn"][NAME][word] for word in ("dark", "bright")) > 0.99
+
+
+def test_white_is_at_most_the_98th_percentile_of_what_is_not_black_and_leaves_a_share_bright():
+    values = np.concatenate([np.zeros(8000), np.linspace(0.0, 0.3, 1900), np.full(100, 1.0)])
+    white = color_maps.strong(values, None, 0.0, 1.0)
+    seen = values[values > color_maps.NOT_BLACK]
+    assert white <= np.percentile(seen, 98)
+    assert (values > white / 2).mean() == pytest.approx(0.04, abs=0.001)
+    assert color_maps.strong(np.zeros(10), None, 0.0, 1.0) == color_maps.LEAST_WHITE
+
+
+def test_white_goes_by_area_not_by_the_number_of_vertices():
+    values = np.concatenate([np.full(900, 0.9), np.full(100, 0.3)])  # many small faces in a detail
+    areas = np.concatenate([np.full(900, 1e-5), np.full(100, 1.0)])
+    assert color_maps.strong(values, areas, 0.0, 1.0) == pytest.approx(0.3)
+    assert color_maps.strong(values, None, 0.0, 1.0) == pytest.approx(0.9)
