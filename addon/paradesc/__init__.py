@@ -1,4 +1,4 @@
-"""Paradesc: geometric descriptors of UV-mapped meshes as attributes and colors, computed in texture space.
+"""Paradesc: curvature and other geometric descriptors of meshes at a radius, as attributes, colors and textures.
 
 Importing the package imports no part of Blender; register() does. compute() and what else `__all__` names are the
 Python package (api.py), which is imported with the first of these names.
@@ -22,7 +22,7 @@ bl_info = {
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
     "location": "3D Viewport > Sidebar > Paradesc",
-    "description": "Curvature and other geometric descriptors of UV-mapped meshes at a radius you choose",
+    "description": "Masks for dirt, worn edges and open places, and curvature: as vertex colors and textures",
     "category": "Mesh",
 }
 
@@ -37,10 +37,12 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 MODULES = (
     "settings.translation",
     "settings.preferences",
+    "settings.research",
     "settings.properties",
     "settings.animation",
     "settings.migrations",
     "settings.presets",
+    "bake.modal",
     "bake.operators",
     "bake.fit",
     "bake.image_operator",

@@ -82,7 +82,7 @@ def test_legend_counts_from_end_to_end_through_the_neutral_value():
 
 
 def test_legend_is_named_with_unit_and_radius():
-    assert legend.title("mean_curvature", "1/length") == "mean curvature (1/length)"
-    assert legend.title("shape_index_r0.02", "") == "shape index, radius 0.02"
+    assert legend.title("mean_curvature", "1/length") == "Mean Curvature (1/length)"
+    assert legend.title("shape_index_r0.02", "") == "Shape Index, radius 0.02"
     assert legend.unit_of("gaussian_curvature_r0.02", "mean_curvature") == "1/length^2"
     assert legend.unit_of("gradient_magnitude", "mean_curvature") == "1/length^2"

@@ -190,7 +190,7 @@ def test_summary_says_what_was_done(sphere_object):
     assert stored["settings"]["descriptors"] == ["mean_curvature"]
     assert stored["settings"]["radius"] == 0.02
     assert stored["warnings"].splitlines() == ["One.", "Two."]
-    assert stored["attributes"] == ["coverage", "mean_curvature", "mean_curvature_color", "paradesc_mask"]
+    assert stored["attributes"] == ["coverage", "mean_curvature", "mean_curvature_color"]
 
 
 def test_largest_seed_fits_the_summary(sphere_object):

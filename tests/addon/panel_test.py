@@ -1,5 +1,6 @@
 """What the panel draws, on a layout that takes notes, because Blender draws none without a window."""
 
+import sys
 from functools import partial
 from types import SimpleNamespace
 
@@ -7,13 +8,15 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
-from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, settings_panel  # noqa: E402
-from scene import add_sphere, small_bake  # noqa: E402
+from paradesc.settings import preferences, research  # noqa: E402
+from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, result, settings_panel  # noqa: E402
+from scene import add_sphere, select, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH, SCALE = 217, 2.0
@@ -23,6 +26,9 @@ PANELS = [
     for cls in module.classes
     if cls.__name__ != "PARADESC_MT_devices"
 ]
+EVERY_PANEL = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
+# So many settings are what somebody can look through.
+MOST_SETTINGS = 45
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +40,8 @@ class Notes:
     """A layout and all its parts, which notes what is drawn, by kind."""
 
     def __init__(self, drawn=None):
-        self.drawn = {"label": [], "prop": [], "operator": [], "menu": [], "progress": []} if drawn is None else drawn
+        kinds = ("label", "prop", "setting", "operator", "menu", "progress")
+        self.drawn = {kind: [] for kind in kinds} if drawn is None else drawn
 
     def column(self, **_options):
         return Notes(self.drawn)
@@ -47,6 +54,10 @@ class Notes:
     def prop(self, data, name, **_options):
         assert name in data.bl_rna.properties, name
         self.drawn["prop"].append(name)
+        self.drawn["setting"].append((data.bl_rna.identifier, name))
+
+    def prop_search(self, data, name, *_where):
+        self.prop(data, name)
 
     def operator_menu_enum(self, name, _member, text="", **_options):
         self.operator(name, text)
@@ -54,14 +65,12 @@ class Notes:
     def prop_enum(self, data, name, value, **_options):
         assert value in data.bl_rna.properties[name].enum_items
         self.drawn["prop"].append(value)
+        self.drawn["setting"].append((data.bl_rna.identifier, name))
 
     def operator(self, name, text="", **_options):
         assert hasattr(bpy.types, "PARADESC_OT_" + name.split(".")[1]), name
         self.drawn["operator"].append(text or name)
         return SimpleNamespace()
-
-    def prop_menu_enum(self, data, name, **_options):
-        self.prop(data, name)
 
     def menu(self, name, text="", **_options):
         assert hasattr(bpy.types, name), name
@@ -102,16 +111,84 @@ def drawn_by(cls):
     return layout.drawn
 
 
-def drawn_everything():
+def drawn_everything(panels=PANELS):
     every = Notes().drawn
-    for cls in PANELS:
+    for cls in panels:
         if not hasattr(cls, "poll") or cls.poll(context()):
             for kind, found in drawn_by(cls).items():
                 every[kind] += found
     return every
 
 
-def test_every_setting_is_in_the_panel():
+def show_research(monkeypatch, shown=True):
+    monkeypatch.setattr(preferences, "shows_research", lambda: shown)
+
+
+def settings_in_any_state(folder):
+    """Our settings that the panels draw in at least one of many states: (group, name) each."""
+    scene, found = bpy.context.scene, set()
+    settings, looks = scene.paradesc, scene.paradesc_looks
+
+    def look():
+        found.update(drawn_everything(EVERY_PANEL)["setting"])
+
+    other, target = add_sphere("other"), add_sphere()
+    select(other, target)
+    settings.descriptors, settings.write_image, settings.write_buffers = {"harris", "cavity"}, True, True
+    target.shape_key_add(name="Basis")
+    target.scale = (2, 1, 1)
+    looks.use_neutral, scene.paradesc_animation.use_scene_range = True, False
+    look()
+    settings.write_image = settings.write_buffers = False
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    for span in ("auto", "percentile", "fixed"):
+        looks.span = span
+        look()
+    for unit in ("absolute", "mean-edge", "diagonal"):
+        settings.radius_unit = unit
+        look()
+    scene.paradesc_animation.cache_folder, scene.paradesc_live.missing = str(folder), "COMPUTE"
+    for mode in ("CACHE", "LIVE"):
+        target.paradesc_live.mode, looks.span = mode, "auto"
+        assert target.paradesc_live.mode == mode, target.paradesc_live.sentence
+        look()
+    return {(group, name) for group, name in found if group.startswith("PARADESC_PG_")}
+
+
+def test_the_panels_draw_few_settings_and_all_of_them_for_research(monkeypatch, tmp_path):
+    few = settings_in_any_state(tmp_path)
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    show_research(monkeypatch)
+    every = settings_in_any_state(tmp_path)
+    sys.stdout.write(f"{len(few)} settings are drawn, {len(every)} with Research Settings\n")
+    assert few < every
+    assert len(few) <= MOST_SETTINGS
+    named = {name for names in research.RESEARCH.values() for name in names}
+    assert {name for _, name in every - few} == named  # hidden are those that are named, and no others
+
+
+def test_research_settings_that_act_are_said_and_go_by_one_click(monkeypatch):
+    settings, looks = bpy.context.scene.paradesc, bpy.context.scene.paradesc_looks
+    assert "paradesc.reset_research" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
+    settings.image_path, looks.neutral = "//elsewhere.exr", 3.0  # no image is written, and no own neutral value is used
+    assert research.changed(bpy.context.scene) == []
+    settings.seed, settings.estimator = 4, "integral"
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert "2 research settings are set" in " ".join(shown["label"])
+    assert {"paradesc.show_research", "paradesc.reset_research"} <= set(shown["operator"])
+    settings.estimator = "shape-operator"
+    assert "1 research setting is set" in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+    show_research(monkeypatch)
+    assert "is set" not in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+    show_research(monkeypatch, False)
+    assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
+    assert settings.seed == 0
+    assert "is set" not in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+
+
+def test_every_setting_is_in_the_panel(monkeypatch):
+    show_research(monkeypatch)
     settings = bpy.context.scene.paradesc
     settings.descriptors, settings.write_image, settings.write_buffers = {"harris"}, True, True
     add_sphere().shape_key_add(name="Basis")
@@ -120,7 +197,8 @@ def test_every_setting_is_in_the_panel():
         settings.radius_unit = unit
         shown |= set(drawn_everything()["prop"])
     defined = {name for group in members.GROUPS for name in group()}
-    assert defined - shown == {"descriptors", "backend", "device_index"}  # one by one, and as a menu
+    assert defined - shown == {"descriptors", "radius_fit", "backend", "device_index"}  # one by one, and as a menu
+    assert {"fine", "medium", "broad"} <= shown
     assert {row.name for row in bridge.descriptors()} <= shown
 
 
@@ -131,6 +209,71 @@ def test_a_button_bakes_one_mesh_onto_another_as_soon_as_two_are_selected():
     assert "Bake onto coarse" in drawn_by(panel.PARADESC_PT_bake)["operator"]
     bpy.data.objects["fine"].select_set(False)
     assert "Bake onto coarse" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
+
+
+def test_three_meshes_are_a_pair_only_where_all_lie_about_the_active_one():
+    parts = [add_sphere(name) for name in ("bolts", "body", "coarse")]
+    bpy.context.view_layer.update()
+    assert "Bake onto coarse" in drawn_by(panel.PARADESC_PT_bake)["operator"]
+    parts[0].location.x = 9.0
+    bpy.context.view_layer.update()
+    shown = drawn_by(panel.PARADESC_PT_bake)["operator"]
+    assert "Bake 3 Meshes" in shown
+    assert not any(text.startswith("Bake onto") for text in shown)
+    assert bpy.ops.paradesc.bake_onto.poll()  # scripts still may
+
+
+def test_what_is_no_mesh_is_said_to_be_left_out():
+    add_sphere()
+    for kind in ("FONT", "CURVE"):
+        made = bpy.data.objects.new(kind, bpy.data.curves.new(kind, kind))
+        bpy.context.collection.objects.link(made)
+        made.select_set(True)
+    words = " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+    assert "2 skipped: " in words
+    assert {"Text", "Curve"} <= set(words.replace(",", "").split())
+
+
+def test_an_uneven_scale_is_said_before_a_bake_with_the_button_that_makes_it_count():
+    target = add_sphere()
+    target.scale = (1, 1, 3)
+    bpy.context.view_layer.update()
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert "uneven scale" in " ".join(shown["label"])
+    assert "world" in shown["prop"]
+    bpy.context.scene.paradesc.space = "world"
+    assert "uneven scale" not in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+
+
+@pytest.mark.parametrize(("side", "words"), [("dark", "black"), ("bright", "white"), ("", "")])
+def test_a_mask_that_is_black_or_white_nearly_everywhere_has_buttons_for_other_radii(monkeypatch, side, words):
+    bpy.context.scene.paradesc.descriptors = {"cavity"}
+    target = add_sphere()
+    bpy.ops.paradesc.bake()
+    stored = record.read(target.data)
+    stored["drawn"]["cavity"] |= {"dark": 0.0, "bright": 0.0} | ({side: 0.9} if side else {})
+    monkeypatch.setattr(result, "stored_report", lambda _target: stored)
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert ("Most of it is" in " ".join(shown["label"])) == bool(side)
+    assert words in " ".join(shown["label"])
+    assert ({"Finer", "Broader"} <= set(shown["operator"])) == bool(side)
+    assert {"contrast", "brightness", "invert"} <= set(shown["prop"])
+
+
+def test_the_next_radius_is_a_size_or_half_or_twice_as_large():
+    assert result.next_radius("medium", 3.0, -1) == ("fine", 0.0)
+    assert result.next_radius("medium", 3.0, 1) == ("broad", 0.0)
+    assert result.next_radius("fine", 3.0, -1) == ("panel", 1.5)
+    assert result.next_radius("typed", 3.0, 1) == ("panel", 6.0)
+
+
+def test_one_scale_is_offered_for_several_meshes_alone():
+    first, second = add_sphere("first"), add_sphere("second")
+    bpy.ops.paradesc.bake()
+    assert "same_scale" in drawn_by(panel.PARADESC_PT_bake)["prop"]
+    first.select_set(False)
+    assert second == bpy.context.active_object
+    assert "same_scale" not in drawn_by(panel.PARADESC_PT_bake)["prop"]
 
 
 @pytest.mark.parametrize("state", ["nothing", "baked", "uneven", "linked", "dyntopo"])
@@ -187,7 +330,7 @@ def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypat
     monkeypatch.setattr(mesh_io, "check_writable", refused)
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert "linked from another file" in " ".join(shown["label"])
-    assert "Make Meshes Local" in shown["operator"]
+    assert "paradesc.make_local" in shown["operator"]
 
 
 def test_a_missing_library_leaves_one_sentence_and_no_settings(monkeypatch):
@@ -208,10 +351,13 @@ def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert shown["progress"] == [0.0]
     words = " ".join(shown["label"]).removeprefix("Mean Curvature ")
-    assert words == {"bake": "read, 0%", "frames": "frame 1 of 1 to 2, read, 0%"}[kind] + " (Esc cancels)"
+    frame = {"bake": "", "frames": "frame 1 of 1 to 2, "}[kind]
+    assert words == f"Reading the mesh, {frame}0 %"
     assert "Bake Descriptors" not in shown["operator"]
     assert not bpy.ops.paradesc.bake.poll()
     assert not bpy.ops.paradesc.bake_frames.poll()
+    assert bpy.ops.paradesc.cancel() == {"FINISHED"}
+    assert job.cancelled
     job.close()
 
 
@@ -221,7 +367,7 @@ def test_last_run_is_there_only_while_the_values_are():
     bpy.ops.paradesc.bake()
     assert report_panel.PARADESC_PT_report.poll(context())
     lines = drawn_by(report_panel.PARADESC_PT_report)["label"]
-    for words in ("UV islands: 6", "Coverage: ", "Undefined vertices: 0", "– evaluate: ", "llvmpipe"):
+    for words in ("UV islands: 6", "Coverage: ", "Undefined vertices: 0", "– measuring: ", "llvmpipe"):
         assert any(line.startswith(words) for line in lines), words
     for name in record.attributes_of(target.data):
         target.data.attributes.remove(target.data.attributes[name])

@@ -35,7 +35,7 @@ try:
 
     from paradesc.scene import record, unwrap
     from paradesc.show import channels, recolor
-    from paradesc.ui import panel, report_panel
+    from paradesc.ui import report_panel, result
 except ImportError:
     bpy = None
 
@@ -154,7 +154,7 @@ def damaged_summary(source: random.Random) -> object:
 def check_summary(found: dict[str, object]) -> None:
     """Checks everything that panels, legends and operators take from it without another check."""
     if "mesh_report" in found:
-        lines = [*report_panel.report_lines(found), panel.result_sentence(found)] if bpy else []
+        lines = [*report_panel.report_lines(found), result.result_sentence(found)] if bpy else []
         claim(all(isinstance(line, str) for line in lines), "a line of the report is no text")
     if found:
         found["warnings"].splitlines()

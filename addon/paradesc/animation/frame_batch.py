@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.pieces import Piece, Pieces, key_of
+from ..bake.pieces import Piece, Pieces, key_of, stage_words
 from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
@@ -16,6 +16,7 @@ from ..files import cache
 from ..scene import surface_maps, targets
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
+from ..settings.translation import label
 from . import frames, handlers, painting, pausing
 
 
@@ -66,10 +67,10 @@ class FrameBatch(Pieces):
         """What is being done, for people."""
         piece = self.pieces[min(self.current, len(self.pieces) - 1)]
         frame = self.wanted[max(0, self.next - 1)]
-        text = f"frame {frame} of {self.wanted[0]} to {self.wanted[-1]}, {self.worker.stage if self.worker else 'read'}"
-        if len(self.pieces) == 1:
-            return text
-        return f'object {self.current + 1} of {len(self.pieces)}, "{piece.name}", {text}'
+        stage = stage_words(self.worker.stage if self.worker else "read")
+        text = label("{stage}, frame {frame} of {first} to {last}")
+        text = text.format(stage=stage, frame=frame, first=self.wanted[0], last=self.wanted[-1])
+        return text if len(self.pieces) == 1 else f'"{piece.name}": {text}'
 
     def step(self, wait: bool = False) -> None:
         """Opens the next object, or takes in the frame that has been computed and begins the next one."""

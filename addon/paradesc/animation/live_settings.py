@@ -59,7 +59,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     buffer_size: bpy.props.IntProperty(
-        name="Bake Resolution",
+        name="Resolution",
         description="At most so many texels along a side of the baked buffers in the viewport",
         default=512,
         min=64,
@@ -81,7 +81,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
     wait: bpy.props.BoolProperty(
         name="Wait for Values",
-        description="Show every frame with its own values, as slowly as they are computed. Without it, values follow "
+        description="Wait for each frame's values before it is drawn. Without it, values follow "
         "a moment later while you play, drag the current frame or edit. Renders always wait",
         default=True,
     )

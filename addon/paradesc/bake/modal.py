@@ -1,5 +1,6 @@
 """Runs work that a window waits for, with progress in the panel and Esc; scripts take the same steps in a row."""
 
+from collections.abc import Iterator
 from typing import Protocol
 
 import bpy
@@ -11,6 +12,10 @@ from ..settings.snapshot import Snapshot
 
 # Events that move the view; everything else waits until the work has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
+
+
+# Those that press a button in a sidebar, where Cancel is.
+BUTTON_EVENTS = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"}
 
 
 class Steps(Protocol):
@@ -120,7 +125,8 @@ class ModalJob:
             self.job.cancel()
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
-            return {"PASS_THROUGH"} if event.type in VIEW_EVENTS else {"RUNNING_MODAL"}
+            free = event.type in VIEW_EVENTS or (event.type in BUTTON_EVENTS and over_sidebar(context, event))
+            return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
         try:
             self.job.step()
             if self.job.worker is None:  # what comes next need not wait for the next turn
@@ -149,7 +155,7 @@ class ModalJob:
         self.shown = text
         context.window_manager.progress_update(self.job.fraction)
         if context.workspace is not None:
-            context.workspace.status_text_set(f"Paradesc: {text} (Esc cancels)")
+            context.workspace.status_text_set(f"Paradesc: {text} ({translation.label('Esc cancels')})")
         redraw_sidebars(context)
 
     def clean_up(self, context: bpy.types.Context) -> None:
@@ -166,14 +172,47 @@ class ModalJob:
 
 def progress_text(job: Steps) -> str:
     """How far the work is, for people."""
-    return f"{job.stage}, {job.fraction:.0%}"
+    return translation.label("{stage}, {percent} %").format(stage=job.stage, percent=f"{100 * job.fraction:.0f}")
+
+
+def sidebars(screen: bpy.types.Screen) -> Iterator[bpy.types.Region]:
+    """The regions of a screen that have the panels."""
+    for area in screen.areas:
+        if area.type == "VIEW_3D":
+            yield from (region for region in area.regions if region.type == "UI")
 
 
 def redraw_sidebars(context: bpy.types.Context) -> None:
     """Lets the panel show how far the work is."""
     for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
+        for region in sidebars(window.screen):
+            region.tag_redraw()
+
+
+def over_sidebar(context: bpy.types.Context, event: bpy.types.Event) -> bool:
+    """Whether the mouse is over a region that has the panels, whose settings are grey meanwhile."""
+    return any(
+        0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
+        for region in sidebars(context.screen)
+    )
+
+
+class PARADESC_OT_cancel(bpy.types.Operator):
+    """End what is running, as Esc does; nothing is written"""
+
+    bl_idname = "paradesc.cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Only while something runs."""
+        return ModalJob.running is not None
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Asks the work to end; the operator that runs it notices at its next turn."""
+        ModalJob.running.cancel()
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_cancel,)

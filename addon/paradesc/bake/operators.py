@@ -7,22 +7,43 @@ from ..core import devices, legend
 from ..scene import mesh_io, targets, viewports
 from ..scene.targets import obstacle
 from ..settings import presets, translation
+from ..settings.looks import COLORS
+from ..settings.properties import property_of
 from .batch import Batch
 from .fit import RadiusOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
-
+LEVELS = ("contrast", "brightness", "invert")
 
 AS_SET = ("panel", "As Set", "The descriptors and settings of the panel")
 
 
-class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
-    """Compute the chosen descriptors at every vertex of the selected meshes, as attributes and colors"""
+class LevelsOption:
+    """An operator with levels of its own, which Blender's redo panel changes and which then are the sidebar's too."""
+
+    contrast: property_of(COLORS["contrast"], options={"SKIP_SAVE"})
+    brightness: property_of(COLORS["brightness"], options={"SKIP_SAVE"})
+    invert: property_of(COLORS["invert"], options={"SKIP_SAVE"})
+
+    def take_levels(self, group: bpy.types.PropertyGroup) -> None:
+        """Sets the scene's levels to those that were given."""
+        for name in LEVELS:
+            if self.properties.is_property_set(name) and getattr(self, name) != getattr(group, name):
+                setattr(group, name, getattr(self, name))
+
+    def show_levels(self, group: bpy.types.PropertyGroup) -> None:
+        """Shows the scene's levels, to be changed from there."""
+        for name in LEVELS:
+            setattr(self, name, getattr(group, name))
+
+
+class PARADESC_OT_bake(RadiusOption, LevelsOption, ModalJob, bpy.types.Operator):
+    """Measure the selected meshes at every vertex, and show the mask as vertex colors"""
 
     bl_idname = "paradesc.bake"
-    bl_label = "Bake Descriptors"
+    bl_label = "Bake Mask"
     bl_options = {"REGISTER", "UNDO"}
 
     mask: bpy.props.EnumProperty(
@@ -44,6 +65,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
         if self.mask != AS_SET[0]:
             presets.choose_mask(group, self.mask)
         self.take_radius(group)
+        self.take_levels(context.scene.paradesc_looks)
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
@@ -55,6 +77,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
         keep_for_undo(context)
         batch.finish(context)
         self.show_radius(context.scene.paradesc)
+        self.show_levels(context.scene.paradesc_looks)
         report_all(self.report, batch, batch.written)
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failures(batch)))
@@ -73,7 +96,7 @@ def keep_for_undo(context: bpy.types.Context) -> None:
     """Adds a step of undo in brush modes, because their own steps hold strokes, not the attributes of a mesh."""
     active = context.active_object
     if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
-        bpy.ops.ed.undo_push(message="Before Bake Descriptors")
+        bpy.ops.ed.undo_push(message="Before Bake Mask")
 
 
 def bake_sentence(batch: Batch) -> str:

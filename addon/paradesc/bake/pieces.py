@@ -8,8 +8,20 @@ import bpy
 from ..bridge import ParadescError, abi
 from ..core.threads import Worker
 from ..files import file_names
-from ..settings.translation import said
+from ..settings.translation import label, said
 
+# What people read of the stages that computations go through.
+STAGE_WORDS = {
+    "read": "Reading the mesh",
+    "start": "Preparing",
+    "mesh": "Preparing",
+    "prepare": "Preparing",
+    "rays": "Finding the detailed mesh",
+    "image": "Drawing the image",
+    "write": "Drawing the image",
+    "write images": "Writing images",
+    "write buffers": "Writing buffers",
+}
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
 
 
@@ -106,10 +118,11 @@ class OneByOne(Pieces):
     @property
     def stage(self) -> str:
         """What is being done, for people."""
-        own = self.worker.stage if self.worker else "read"
+        own = stage_words(self.worker.stage if self.worker else "read")
         if len(self.pieces) == 1 or self.current == len(self.pieces):
             return own
-        return f'mesh {self.current + 1} of {len(self.pieces)}, "{self.pieces[self.current].name}", {own}'
+        several = label("{stage}, mesh {number} of {count}")
+        return several.format(stage=own, number=self.current + 1, count=len(self.pieces))
 
     def step(self, wait: bool = False) -> None:
         """Reads the next mesh and starts its worker, or takes in what a worker has ended with."""
@@ -134,6 +147,11 @@ class OneByOne(Pieces):
                 self.cancelled = True
             piece.failure = error.sentence
             piece.drop()
+
+
+def stage_words(stage: str) -> str:
+    """A stage for people; what computes, however it does so, measures."""
+    return label(STAGE_WORDS.get(stage, "Measuring"))
 
 
 def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:

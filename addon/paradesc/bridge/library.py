@@ -26,6 +26,8 @@ MACHINES = {"linux": ("x86_64", "aarch64"), "win32": ("AMD64", "ARM64"), "darwin
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
 GROWTH_ROOM = 256
+# People read the masks' names wherever a descriptor is one.
+MASK_LABELS = {"convexity": "Edge Wear", "ambient_openness": "Openness"}
 # A library stays loaded, so an add-on or a package that is updated meanwhile meets the old one.
 REMEDY = "restart Blender or Python if you have just updated it, else install both from one release"
 
@@ -215,7 +217,7 @@ def descriptors() -> tuple[Descriptor, ...]:
         rows.append(
             Descriptor(
                 text(info.name),
-                text(info.label),
+                MASK_LABELS.get(text(info.name), text(info.label)),
                 text(info.description),
                 info.length_power,
                 bool(info.is_signed),

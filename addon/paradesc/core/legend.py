@@ -9,8 +9,8 @@ DIRECTIONS = "sizes of x, y, z as red, green, blue"
 
 
 def title(name: str, unit: str) -> str:
-    """The descriptor in words with its unit: "mean curvature (1/length)"."""
-    return registry_name(name).replace("_", " ") + variant(name) + (f" ({unit})" if unit else "")
+    """The descriptor in words with its unit: "Mean Curvature (1/length)"."""
+    return label(name) + (f" ({unit})" if unit else "")
 
 
 def label(name: str) -> str:
@@ -37,7 +37,13 @@ def unit_of(name: str, map_descriptor: str) -> str:
 
 
 def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
-    """The places along the bar, in [0, 1], and their numbers: both ends, and the neutral value or the middle."""
+    """The places along the bar, in [0, 1], and their numbers: both ends, and the neutral value or the middle.
+
+    A grey mask is read from 0 to 1, and in the middle stands which value its 1 is.
+    """
+    if shown.map_name == color_maps.GREY and shown.minimum == 0:
+        white = [(0.5, f"1 = {shown.maximum:.2g}")] if shown.maximum != 1 else []
+        return [(0.0, "0"), *white, (1.0, "1")]
     span = shown.maximum - shown.minimum
     middle = shown.neutral
     if middle is None or not (0.15 <= (middle - shown.minimum) / span <= 0.85):

@@ -164,7 +164,7 @@ def descriptor_members() -> dict[str, Member]:
     return {
         "descriptors": member(
             "choices", name="Descriptors",
-            description="What to compute, any number of them: several cost little more than one",
+            description="Descriptors to compute; several cost little more than one",
             items=items,
             default=DEFAULT_DESCRIPTORS & {item[0] for item in items} or {items[0][0]},
         ),
@@ -225,7 +225,7 @@ def neighborhood_members() -> dict[str, Member]:
             "result's name ends in _r and its radius",
         ),
         "space": member(
-            "choice", name="Space", description="Whose lengths count", items=SPACES, default="object"
+            "choice", name="Space", description="Measure in object or in world space", items=SPACES, default="object"
         ),
         "shape_key": member(
             "choice", name="Shape",
@@ -244,13 +244,13 @@ def quality_members() -> dict[str, Member]:
         ),
         "adaptive": member(
             "float", name="Adaptive",
-            description="Take half of the samples where normals fit the shape operator to within this angle; 0: all",
+            description="Halve the samples where the error of the fit is below this angle; 0 is never",
             default=0.0, min=0.0, soft_max=0.2, precision=3, subtype="ANGLE",
         ),
         "buffer_size": member(
-            "int", name="Bake Resolution",
-            description="Texels along a side of what a graphics card bakes; the radius should span at least four. The "
-            "processor needs none",
+            "int", name="Resolution",
+            description="Texels along a side of the buffers of a graphics card; the radius should span at least four. "
+            "It is ignored on the processor",
             default=1024, min=64, max=8192, subtype="PIXEL",
         ),
         "precision": member(
@@ -261,14 +261,14 @@ def quality_members() -> dict[str, Member]:
         ),
         "creases": member(
             "choice", name="Creases",
-            description="Which edges are hard: flat faces end there", items=CREASES, default="auto"
+            description="Which edges count as hard", items=CREASES, default="auto"
         ),
         "material_maps": member(
             "bool", name="Material Maps",
             description="Measure the surface as the material's Displacement and Normal Map nodes change it",
             default=False,
         ),
-        "backend": member("choice", name="Backend", description="What computes", items=BACKENDS, default="auto"),
+        "backend": member("choice", name="Backend", description="Kind of device that computes", items=BACKENDS, default="auto"),
         "device_index": member(
             "int", name="Device",
             description="Number of the device among those of the backend, from 0; -1 takes the first that works",
@@ -281,8 +281,8 @@ def method_members() -> dict[str, Member]:
     """The settings that researchers compare; the defaults are the most exact."""
     choices = (
         ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
-        ("variance_reduction", "Control", "What integrals are helped by", VARIANCE_REDUCTIONS),
-        ("distance", "Distance", "What the radius bounds", DISTANCES),
+        ("variance_reduction", "Control", "How the noise of integrals is reduced", VARIANCE_REDUCTIONS),
+        ("distance", "Distance", "How the radius is measured", DISTANCES),
         ("evaluate", "Evaluate At", "Where descriptors are computed", EVALUATIONS),
         ("relocation", "Over Seams", "How neighborhoods go on over seams", RELOCATIONS),
         ("pattern", "Pattern", "Places of the samples", PATTERNS),
@@ -298,7 +298,7 @@ def method_members() -> dict[str, Member]:
     )
     members["seed"] = member(
         "int", name="Seed",
-        description="Number that the choice of samples follows from; the same settings give the same values",
+        description="Random seed of the places of samples; the same settings give the same values",
         default=0, min=0,
     )  # fmt: skip
     return members
@@ -327,17 +327,17 @@ def output_members() -> dict[str, Member]:
         ),
         "texels": member(
             "int", name="Texels",
-            description="Along a side of images, and of the map of texels that Evaluate At: Texels computes",
+            description="Pixels along a side of textures, and of the map that Evaluate At: Texels computes",
             default=1024, min=16, max=8192, subtype="PIXEL",
         ),
         "image_outside": member(
             "choice", name="Outside",
-            description="What textures hold where there is no surface", items=OUTSIDE, default="neutral"
+            description="What textures show where there is no surface", items=OUTSIDE, default="neutral"
         ),
         "image_packed": member(
             "bool", name="Pack Channels",
-            description="Bake one texture of masks instead of the chosen descriptors: red cavity, green convexity, "
-            "which are edges, and blue ambient openness",
+            description="Bake one texture of three masks instead of the chosen ones: cavity in red, edge wear in green, "
+            "openness in blue",
             default=False,
         ),
         "image_to_material": member(
@@ -346,7 +346,7 @@ def output_members() -> dict[str, Member]:
             default=False,
         ),
         "cage": member(
-            "float", name="Cage Distance",
+            "float", name="Cage",
             description="How far from a low-poly mesh the detailed one is looked for, along the normals to both sides; "
             "0: a tenth of its diagonal",
             default=0.0, min=0.0, precision=4, subtype="DISTANCE",

@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps, uv_faults
 from ..core.advice import double_areas
-from ..core.job import Results, registry_name
+from ..core.job import UNDEFINED_MASK, Results, registry_name
 from . import modes, ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
@@ -200,13 +200,14 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     with modes.object_mode(target):
         if len(mesh.vertices) != len(results.coverage):
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
-        at = places(mesh, results.values, results.extras)
-        names = attribute_names(results.values, results.extras, at)
+        extras = extras_on(mesh, results)
+        at = places(mesh, results.values, extras)
+        names = attribute_names(results.values, extras, at)
         make_attributes(mesh, names)
         layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         shown = {name: results.shown(name) for name in results.values}
         seen = {name: extremes(mesh, values, shown[name]) for name, values in results.values.items()}
-        write_values(mesh, results, shown, at)
+        write_values(mesh, results.values, extras, shown, at)
         show(mesh, at[most_telling(seen)])
         drawn = {
             at[name]: record.drawing_of(shown[name], results, name) | automatic(shown[name], results.look) | seen[name]
@@ -242,15 +243,27 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     return attribute.name
 
 
+def extras_on(mesh: bpy.types.Mesh, results: Results) -> dict[str, np.ndarray]:
+    """What a mesh gets beside the values; which vertices have none only where one has none, or an earlier bake said."""
+    kept = {**results.extras}
+    if not kept[UNDEFINED_MASK].any() and record.attribute_of(mesh, UNDEFINED_MASK) not in mesh.attributes:
+        del kept[UNDEFINED_MASK]
+    return kept
+
+
 def write_values(
-    mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange], at: dict[str, str]
+    mesh: bpy.types.Mesh,
+    values: dict[str, np.ndarray],
+    extras: dict[str, np.ndarray],
+    shown: dict[str, color_maps.ValueRange],
+    at: dict[str, str],
 ) -> None:
     """Fills the attributes, which exist by now: making one would move the values of the others in memory."""
-    for name, values in results.values.items():
-        set_values(mesh.attributes[at[name]], values)
-        write_colors(mesh, at[name], values, shown[name])
-    for name, values in results.extras.items():
-        set_values(mesh.attributes[at[name]], values)
+    for name, own in values.items():
+        set_values(mesh.attributes[at[name]], own)
+        write_colors(mesh, at[name], own, shown[name])
+    for name, own in extras.items():
+        set_values(mesh.attributes[at[name]], own)
 
 
 def show(mesh: bpy.types.Mesh, name: str) -> None:

@@ -11,6 +11,8 @@ from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
+# Objects with a surface that becomes one of a mesh object first.
+CONVERTIBLE = ("CURVE", "SURFACE", "FONT", "META")
 # In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -30,6 +32,19 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     if not found and active is not None and active.type == "MESH":
         return [active]
     return sorted(found, key=lambda item: item != active)
+
+
+def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected objects with a surface that a bake leaves out, because they are no meshes yet."""
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT":
+        return []
+    return [item for item in context.selected_objects if item.type in CONVERTIBLE]
+
+
+def kind_words(target: bpy.types.Object) -> str:
+    """What kind of object it is, as Blender calls it."""
+    return target.bl_rna.properties["type"].enum_items[target.type].name
 
 
 def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:

@@ -1,5 +1,6 @@
 """The add-on's own preferences, which apply to this machine and not to a scene."""
 
+import re
 from pathlib import Path
 
 import bpy
@@ -16,7 +17,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     memory_limit: bpy.props.FloatProperty(
         name="Memory Limit (GB)",
-        description="What would take more memory than this is refused before it begins; 0: half of what is free then",
+        description="Refuse bakes that need more memory than this; 0 is automatic, half of what is free at the time",
         default=0.0,
         min=0.0,
         soft_max=64.0,
@@ -37,17 +38,40 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         subtype="DIR_PATH",
     )
 
+    research_settings: bpy.props.BoolProperty(
+        name="Research Settings",
+        description="Draw every setting in the panels, also those that compare methods and reproduce the paper",
+        default=False,
+    )
+
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draws the settings."""
-        self.layout.use_property_split = True
-        for name in ("show_results", "memory_limit", "presets_folder"):
-            self.layout.prop(self, name)
+        """Draws the settings, and where to read on."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "show_results")
+        layout.prop(self, "research_settings")
+        limit = layout.row()
+        limit.prop(self, "memory_limit")
+        if self.memory_limit == 0:
+            limit.label(text="Automatic")
+        layout.prop(self, "presets_folder")
+        row = layout.row()
+        row.operator("paradesc.manual", text="Documentation", icon="HELP")
+        for text, icon, address in (("Website", "URL", website()), ("Report a Bug", "ERROR", tracker())):
+            if address:
+                row.operator("wm.url_open", text=text, icon=icon).url = address
 
 
 def found() -> PARADESC_AP_preferences | None:
     """The preferences, or None if the add-on is imported but not enabled."""
     addon = bpy.context.preferences.addons.get(ADDON)
     return None if addon is None else addon.preferences
+
+
+def shows_research() -> bool:
+    """Whether the panels draw every setting."""
+    preferences = found()
+    return preferences is not None and preferences.research_settings
 
 
 def memory_limit() -> int:
@@ -67,6 +91,20 @@ def presets_folder() -> Path | None:
     preferences = found()
     chosen = "" if preferences is None else preferences.presets_folder
     return Path(bpy.path.abspath(chosen)) if chosen else None
+
+
+def website() -> str:
+    """The address that the manifest of a package names, or ""."""
+    manifest = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
+    text = manifest.read_text(encoding="utf-8") if manifest.is_file() else ""
+    named = re.search(r'^website = "([^"]+)"', text, re.MULTILINE)
+    return named[1] if named else ""
+
+
+def tracker() -> str:
+    """The address for reports of bugs: that of a forge's repository, if the website is one; or ""."""
+    repository = re.fullmatch(r"https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?/?", website())
+    return f"{repository[0].rstrip('/')}/issues" if repository else ""
 
 
 classes = (PARADESC_AP_preferences,)

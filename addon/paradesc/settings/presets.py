@@ -18,11 +18,16 @@ chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
+def masks_of(descriptors: set[str]) -> list[str]:
+    """The masks that these descriptors are; none if there is something else among them."""
+    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= descriptors]
+    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
+    return found if every == descriptors else []
+
+
 def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
     """The masks that are chosen; none if something else is chosen as well."""
-    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= group.descriptors]
-    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
-    return found if every == group.descriptors else []
+    return masks_of(group.descriptors)
 
 
 def chosen_mask(group: bpy.types.PropertyGroup) -> str:

@@ -6,32 +6,28 @@ from ..animation.cache_places import object_cache
 from ..bridge import ParadescError
 from ..files import cache
 from ..settings.translation import label
-from .drawing import SidebarPanel, button, in_two_columns, sentence_lines, setting
+from .drawing import SettingsPanel, sentence_lines, setting
 
 
-class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
+class PARADESC_PT_animation(SettingsPanel, bpy.types.Panel):
     """Frames of an animation"""
 
     bl_label = "Animation"
-    bl_options = {"DEFAULT_CLOSED"}
     bl_idname = "PARADESC_PT_animation"
     bl_order = 40
-    bl_parent_id = "PARADESC_PT_bake"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws frames, cache and button."""
-        layout = self.layout
-        in_two_columns(layout)
         scene, group = context.scene, context.scene.paradesc_animation
-        setting(context, layout, group, "frame_source")
-        setting(context, layout, group, "use_scene_range")
+        setting(layout, group, "frame_source")
+        setting(layout, group, "use_scene_range")
         column = layout.column(align=True)
         if not group.use_scene_range:
-            setting(context, column, group, "frame_start")
-            setting(context, column, group, "frame_end")
+            setting(column, group, "frame_start")
+            setting(column, group, "frame_end")
         for name in ("frame_step", "relative_to_rest", "cache_folder", "overwrite"):
-            setting(context, layout, group, name)
-        button(context, layout, "paradesc.bake_frames", icon="RENDER_ANIMATION")
+            setting(layout, group, name)
+        layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")
         for line in cache_lines(scene, context.active_object):
             sentence_lines(context, layout, line)
 

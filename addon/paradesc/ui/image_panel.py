@@ -12,10 +12,10 @@ class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_image"
     bl_order = 25
 
-    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws size, outside, what is packed, where the textures go besides, and how far apart surfaces may lie."""
         for name in ("texels", "image_outside", "image_packed", "image_to_material", "cage"):
-            setting(context, layout, settings, name)
+            setting(layout, settings, name)
 
 
 classes = (PARADESC_PT_image,)

@@ -5,46 +5,39 @@ import bpy
 from ..animation import handlers, live
 from ..settings import looks
 from ..settings.translation import label
-from .drawing import SidebarPanel, button, descriptor_words, in_two_columns, sentence_lines, setting, side_by_side
+from .drawing import SettingsPanel, descriptor_words, sentence_lines, setting
 
 
-class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
+class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
     """Values that follow the animation"""
 
     bl_label = "Live and Playback"
     bl_idname = "PARADESC_PT_live"
     bl_order = 41
-    bl_parent_id = "PARADESC_PT_bake"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Shows only for meshes."""
         return context.active_object is not None and context.active_object.type == "MESH"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws the switch, its sentence, settings, ranges and time."""
-        layout, target = self.layout, context.active_object
-        icon = "ERROR" if target.paradesc_live.sentence else "INFO"
-        modes = target.paradesc_live.bl_rna.properties["mode"].enum_items
-        side_by_side(context, layout, [label(item.name) for item in modes]).prop(
-            target.paradesc_live, "mode", expand=True
-        )
+        target, group = context.active_object, context.scene.paradesc_live
+        mode = target.paradesc_live.mode
+        switch = layout.row()
+        switch.use_property_split = False
+        switch.prop(target.paradesc_live, "mode", expand=True)
         sentence = live_sentence(target)
         if sentence:
-            sentence_lines(context, layout, sentence, icon)
-        group = context.scene.paradesc_live
-        column = layout.column()
-        in_two_columns(column)
-        mode = target.paradesc_live.mode
+            sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")
         if mode == "CACHE":
-            setting(context, column, group, "missing")
+            setting(layout, group, "missing")
         if mode != "CACHE" or group.missing == "COMPUTE":
-            for name in ("samples", "buffer_size"):
-                setting(context, column, group, name)
-            for name in ("fast_seams", "full_render", *(("wait",) if mode != "CACHE" else ())):
-                setting(context, layout, group, name)
-        if target.paradesc_live.mode != "OFF":
+            for name in ("samples", "buffer_size", "fast_seams", "full_render"):
+                setting(layout, group, name)
+        if mode != "CACHE":
+            setting(layout, group, "wait")
+        if mode != "OFF":
             draw_ranges(context, layout)
             draw_time(context, layout, target)
             draw_lock(context, layout, context.scene)
@@ -84,7 +77,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")
-    button(context, column, "paradesc.live_range")
+    column.operator("paradesc.live_range")
 
 
 def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
@@ -103,7 +96,8 @@ def draw_lock(context: bpy.types.Context, layout: bpy.types.UILayout, scene: bpy
     if not scene.render.use_lock_interface:
         column = layout.column(align=True)
         sentence_lines(context, column, "Rendering in a window needs:", "ERROR")
-        setting(context, column, scene.render, "use_lock_interface")
+        column.use_property_split = False
+        column.prop(scene.render, "use_lock_interface")
 
 
 classes = (PARADESC_PT_live,)

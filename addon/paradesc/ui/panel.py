@@ -6,28 +6,18 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
-from ..core import choices
-from ..scene import pairs, sculpt_masks, targets, viewports
-from ..settings import presets
+from ..core import advice, choices, spaces
+from ..scene import mesh_io, pairs, sculpt_masks, targets
+from ..settings import presets, research
 from ..settings.translation import label
-from ..show import recolor
-from .drawing import (
-    SidebarPanel,
-    button,
-    descriptor_words,
-    fits,
-    in_two_columns,
-    place,
-    sentence_lines,
-    setting,
-    side_by_side,
-)
+from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
+from .result import draw_result
 
 # Of the row that the button has beside Live.
-BAKE_SHARE = 0.72
-MASK_ICONS = {"cavity": "SHARPCURVE", "edge_wear": "SPHERECURVE", "curvature": "SMOOTHCURVE", "openness": "LIGHT_SUN"}
+BAKE_SHARE = 0.7
+MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}
 
 
 class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
@@ -49,75 +39,98 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         if missing:
             sentence_lines(context, layout, missing, "ERROR")
             return
-        draw_masks(context, layout, settings)
-        column = layout.column()
-        in_two_columns(column)
-        fit = ("paradesc.fit_radius", "FULLSCREEN_EXIT")
-        setting(context, column, settings, choices.radius_member(settings), beside=fit)
-        setting(context, column, context.scene.paradesc_animation, "source")
+        chosen = layout.column()
+        chosen.enabled = ModalJob.running is None
+        draw_masks(context, chosen, settings)
+        draw_radius(context, chosen, settings)
         if ModalJob.running:
             draw_progress(context, layout, ModalJob.running)
             return
         if context.active_object is not None and context.active_object.mode == "SCULPT":
             draw_sculpting(context, layout)
-        draw_button(context, layout, settings)
+        draw_buttons(context, layout, settings)
+        draw_obstacles(context, layout, settings)
         draw_live(context, layout)
         draw_result(context, layout)
+        draw_research(context, layout)
 
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws one button for each mask, the chosen one pressed; whatever else is chosen under Analysis has a line."""
-    chosen = presets.chosen_mask(settings)
-    labels = {name: label(presets.PRESETS[name].label) for name in presets.MASKS}
-    columns = 2 if all(fits(context, words, 0.5, has_icon=True) for words in labels.values()) else 1
-    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, align=True)
-    for name, words in labels.items():
-        options = {"icon": MASK_ICONS[name], "depress": name == chosen}
-        button(context, grid, "paradesc.mask", words, **options).name = name
+    """Draws one button for each mask, the chosen ones pressed; whatever else is chosen under Analysis has a line."""
+    chosen = presets.chosen_masks(settings)
+    grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+    for name in presets.MASKS:
+        text, icon = presets.PRESETS[name].label, MASK_ICONS[name]
+        grid.operator("paradesc.mask", text=text, icon=icon, depress=name in chosen).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
         count = label("{count} descriptors, under Analysis").format(count=len(labels))
         sentence_lines(context, layout, labels[0] if len(labels) == 1 else count)
 
 
+def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """Draws how far to look around, by sizes that fit the mesh or by number, and which mesh is measured."""
+    sizes = layout.row(align=True)
+    for size in advice.SIZES:
+        sizes.prop_enum(settings, "radius_fit", size)
+    column = layout.column()
+    in_two_columns(column)
+    setting(column, settings, choices.radius_member(settings))
+    setting(column, context.scene.paradesc_animation, "source")
+
+
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
-    layout.label(text="Sculpt Mask")
-    labels = {name: label(presets.PRESETS[name].label) for name in sculpt_mask.MASKS}
-    row = side_by_side(context, layout, list(labels.values()))
-    for name, words in labels.items():
-        button(context, row, "paradesc.mask_from_shape", words).mask = name
+    column = layout.column(align=True)
+    column.label(text="Sculpt Mask")
+    row = column.row(align=True)
+    for name in sculpt_mask.MASKS:
+        row.operator("paradesc.mask_from_shape", text=presets.PRESETS[name].label).mask = name
     sentence = sculpt_masks.multires_obstacle(context.active_object)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
 
 
-def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws the button, the switch of live values beside it, and what stands in the way."""
-    chosen = targets.chosen(context)
-    there = context.active_object is not None and context.active_object.type == "MESH"
-    text, live = button_text(len(targets.by_mesh(chosen)), presets.chosen_mask(settings)), label("Live")
-    beside = fits(context, text, BAKE_SHARE, has_icon=True) and fits(context, live, 1 - BAKE_SHARE)
-    row = layout.split(factor=BAKE_SHARE, align=True) if there and beside else layout.column(align=True)
+def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """Draws the buttons that bake, and the switch of live values beside the first."""
+    text = button_text(len(targets.by_mesh(targets.chosen(context))), presets.chosen_masks(settings))
+    active = context.active_object
+    row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
     row.scale_y = 1.4
-    button(context, row, "paradesc.bake", text, icon="SHADING_TEXTURE")
-    if there:
-        row.prop(context.active_object.paradesc_live, "follows", toggle=True)
-    button(context, layout, "paradesc.bake_image", icon="IMAGE_DATA")
-    found = pairs.chosen(context)
+    row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
+    if is_mesh(active):
+        row.prop(active.paradesc_live, "follows", toggle=True)
+    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    found = pairs.meant(context)
     if found:
-        button(context, layout, "paradesc.bake_onto", onto_text(found), icon="TRIA_DOWN_BAR")
-    sentence = targets.obstacle(context)
+        layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
+
+
+def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """Draws what stands in the way, what is left out, and the buttons that change it."""
+    sentence, chosen = targets.obstacle(context), targets.chosen(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
     if any(targets.unwritable(target) for target in chosen):
-        button(context, layout, "paradesc.make_local", icon="LINK_BLEND")
+        layout.operator("paradesc.make_local", icon="LINK_BLEND")
+    skipped = targets.skipped(context)
+    if skipped:
+        kinds = ", ".join(dict.fromkeys(label(targets.kind_words(item)) for item in skipped))
+        words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
+        sentence_lines(context, layout, words, "INFO")
+        if hasattr(bpy.types, "PARADESC_OT_convert_to_mesh"):
+            layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
+    uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
+    if uneven and settings.space == "object":
+        if not stored_report(context.active_object):  # its warnings say so at length
+            sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
+        layout.prop_enum(settings, "space", "world", text="Measure in World", icon="WORLD")
 
 
 def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws what live values cost a frame, or why they stopped."""
     target = context.active_object
-    if target is None or target.type != "MESH":
+    if not is_mesh(target):
         return
     sentence, session = live_sentence(target), handlers.session_at(target)
     if sentence:
@@ -127,53 +140,39 @@ def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         sentence_lines(context, layout, label("Live: {time} a frame").format(time=time))
 
 
-def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws one line on what the last bake of this mesh did, what to show of it, and what limits it."""
-    stored = stored_report(context.active_object)
-    if not stored:
+def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Says if settings that the panels leave out are not at their defaults, with a way to see and to reset them."""
+    count = sum(research.is_hidden(group, name) for group, name in research.changed(context.scene))
+    if not count:
         return
-    mesh = context.active_object.data
+    words = label("{count} research settings are set" if count > 1 else "{count} research setting is set")
     column = layout.column(align=True)
-    sentence_lines(context, column, result_sentence(stored))
-    if recolor.baked_names(mesh):
-        row = column.row(align=True)
-        part, words = place(context, row, shown_words(mesh), has_icon=True, others=2)  # the arrow and the eye
-        part.operator_menu_enum("paradesc.show", "name", text=words, icon="COLOR" if words else "DOWNARROW_HLT")
-        if context.space_data.shading.type != "SOLID":
-            row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
-        elif context.space_data.shading.color_type != viewports.ATTRIBUTES:
-            row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
-        elif viewports.can_restore(context):
-            row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
-    for sentence in stored["warnings"].splitlines():
-        sentence_lines(context, column, sentence, "ERROR")
-    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0):
-        button(context, column, "paradesc.fit_radius", label("Fit Radius to Mesh"))
+    sentence_lines(context, column, words.format(count=count), "INFO")
+    row = column.row(align=True)
+    row.operator("paradesc.show_research")
+    row.operator("paradesc.reset_research")
 
 
-def result_sentence(stored: dict[str, dict]) -> str:
-    """What a bake did and how long it took."""
-    asked = stored["settings"].get("descriptors")
-    names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
-    known = {row.name: row.label for row in bridge.descriptors()}
-    count = label("{count} descriptors").format(count=len(names))
-    what = label(known.get(names[0], names[0])) if len(names) == 1 else count
-    field, mesh = stored["field_report"], stored["mesh_report"]
-    line = label("{what}, {count} vertices, {seconds} s")
-    return line.format(what=what, count=f"{mesh['vertex_count']:,}", seconds=f"{field['seconds_total']:.2f}")
+def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
+    """Draws how far the work is; Blender has a bar for it since 4.0."""
+    if hasattr(layout, "progress"):
+        layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
+    sentence_lines(context, layout, progress_text(running), "SORTTIME")
+    layout.operator("paradesc.cancel", icon="X")
 
 
-def shown_words(mesh: bpy.types.Mesh) -> str:
-    """The descriptor whose colors the mesh shows, in words."""
-    name = recolor.shown_name(mesh)
-    return descriptor_words(name) if name else label("Choose what to show")
+def is_mesh(target: bpy.types.Object | None) -> bool:
+    """Whether there is an object, and it is a mesh."""
+    return target is not None and target.type == "MESH"
 
 
-def button_text(count: int, mask: str = "") -> str:
-    """The text of the button for so many meshes, and for a mask if one is chosen."""
-    what = label(presets.PRESETS[mask].label if mask else "Descriptors")
-    text = label("Bake {what} on {count} Meshes") if count > 1 else label("Bake {what}")
-    return text.format(what=what, count=count)
+def button_text(count: int, masks: list[str] = ()) -> str:
+    """The text of the button for so many meshes, or for one and the masks that are chosen."""
+    if count > 1:
+        return label("Bake {count} Meshes").format(count=count)
+    if len(masks) > 1:
+        return label("Bake Masks")
+    return label("Bake {what}").format(what=label(presets.PRESETS[masks[0]].label if masks else "Descriptors"))
 
 
 def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:
@@ -181,15 +180,6 @@ def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:
     if len(found) > 1:
         return label("Bake onto {count} Meshes").format(count=len(found))
     return label("Bake onto {name}").format(name=next(iter(found)).name)
-
-
-def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
-    """Draws how far the work is; Blender has a bar for it since 4.0."""
-    if hasattr(layout, "progress"):
-        layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
-    sentence_lines(
-        context, layout, label("{progress} (Esc cancels)").format(progress=progress_text(running)), "SORTTIME"
-    )
 
 
 classes = (PARADESC_PT_bake,)

@@ -4,7 +4,7 @@ import bpy
 
 from ..scene import record
 from ..settings.translation import label
-from .drawing import SidebarPanel, sentence_lines
+from .drawing import SettingsPanel, sentence_lines
 
 # Mesh defects that get a line each if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
@@ -18,30 +18,28 @@ DEFECTS = (
 )
 # What a bake took: the member of the field report, and words for people.
 STAGES = (
-    ("seconds_prepare", "– mesh: {seconds_prepare:.2f} s"),
-    ("seconds_bake", "– bake: {seconds_bake:.2f} s"),
-    ("seconds_evaluate", "– evaluate: {seconds_evaluate:.2f} s"),
+    ("seconds_prepare", "– preparing: {seconds_prepare:.2f} s"),
+    ("seconds_bake", "– drawing buffers: {seconds_bake:.2f} s"),
+    ("seconds_evaluate", "– measuring: {seconds_evaluate:.2f} s"),
     ("memory_megabytes", "Memory: about {memory_megabytes:,.0f} MB"),
 )
 
 
-class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
+class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
     """What the last bake of this mesh found"""
 
     bl_label = "Last Bake"
     bl_idname = "PARADESC_PT_report"
     bl_order = 60
-    bl_parent_id = "PARADESC_PT_bake"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Shows only if there was a bake."""
         return bool(stored_report(context.active_object))
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws one line for each fact, and notes below; what limits the values stands under the button."""
-        column = self.layout.column(align=True)
+        column = layout.column(align=True)
         stored = stored_report(context.active_object)
         for fact in report_lines(stored):
             sentence_lines(context, column, fact)

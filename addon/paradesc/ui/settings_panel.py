@@ -1,4 +1,4 @@
-"""The panels of settings: descriptors, neighborhood, quality and device, method, output."""
+"""The panels of settings: descriptors, neighborhood, quality and device, and for research method and output."""
 
 import bpy
 from mathutils import Vector
@@ -6,9 +6,12 @@ from mathutils import Vector
 from .. import bridge
 from ..core import devices, spaces
 from ..scene import targets
+from ..settings import preferences
 from ..settings.translation import label
-from .drawing import LABEL_SHARE, SettingsPanel, fits, place, sentence_lines, setting
+from .drawing import SettingsPanel, setting
 
+# Backends that bake buffers first, whose size is a setting.
+WITH_BUFFERS = {"gpu", "software"}
 # Operators that look at their map through Gaussian windows.
 WINDOWED = {"difference_of_gaussians", "harris"}
 
@@ -20,28 +23,24 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_descriptor"
     bl_order = 0
 
-    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws the registry in three groups, and the options of the chosen operators."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
             layout.label(text=title)
             column = layout.column(align=True)
             if rows[0].map_degree:
-                draw_map(context, column, settings)
+                column.prop(settings, "map_descriptor", text="")
             for row in rows:
-                on = "CHECKBOX_HLT" if row.name in settings.descriptors else "CHECKBOX_DEHLT"
-                part, words = place(context, column, label(row.label))
-                part.prop_enum(
-                    settings, "descriptors", row.name, text=words, icon="NONE" if words else on, translate=False
-                )
+                column.prop_enum(settings, "descriptors", row.name)
         chosen = settings.descriptors
         column = layout.column()
         column.use_property_split = True
         if chosen & WINDOWED:
-            setting(context, column, settings, "map_sigma")
+            setting(column, settings, "map_sigma")
         if "harris" in chosen:
-            setting(context, column, settings, "harris_k")
-            setting(context, column, settings, "corner_threshold")
+            setting(column, settings, "harris_k")
+            setting(column, settings, "corner_threshold")
 
 
 class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
@@ -54,20 +53,17 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws the radius's unit, what it is as a length, further radii, and the space."""
         column = layout.column(align=True)
-        setting(context, column, settings, "radius_unit")
+        setting(column, settings, "radius_unit")
         target = next(iter(targets.chosen(context)), None)
         words = radius_words(context.scene, settings, target) if target is not None else ""
         if words:
             split = layout.split(factor=0.4)
             split.label(text="")
             split.label(text=words, translate=False)
-        setting(context, layout, settings, "more_radii")
-        setting(context, layout, settings, "space")
+        setting(layout, settings, "more_radii")
+        setting(layout, settings, "space")
         if target is not None and target.data.shape_keys is not None:
-            setting(context, layout, settings, "shape_key")
-        if target is not None and settings.space == "object" and not spaces.is_even(target.matrix_world):
-            sentence = "The object is scaled unevenly: measure in World, or apply the scale"
-            sentence_lines(context, layout, sentence, "INFO")
+            setting(layout, settings, "shape_key")
 
 
 class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
@@ -77,18 +73,14 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_quality"
     bl_order = 50
 
-    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws samples, buffers, normals, creases and device."""
-        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "creases", "material_maps"):
-            setting(context, layout, settings, name)
-        words, text = label("Device"), device_words(devices.label_of(settings.backend, settings.device_index))
-        one_line = fits(context, words, LABEL_SHARE) and fits(context, text, 1 - LABEL_SHARE, has_icon=True)
-        split = layout.split(factor=LABEL_SHARE) if one_line else layout.column(align=True)
-        column = split.column()
-        column.alignment = "RIGHT" if one_line else "EXPAND"
-        column.label(text=words, translate=False)
-        part, text = place(context, split, text, has_icon=True)
-        part.menu("PARADESC_MT_devices", text=text, icon="NONE" if text else "DOWNARROW_HLT", translate=False)
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws samples, creases and device, and what only devices or research know."""
+        for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
+            setting(layout, settings, name)
+        text = device_words(devices.label_of(settings.backend, settings.device_index))
+        layout.menu("PARADESC_MT_devices", text=text, translate=False)
+        if settings.backend in WITH_BUFFERS:
+            setting(layout, settings, "buffer_size")
 
 
 class PARADESC_MT_devices(bpy.types.Menu):
@@ -119,7 +111,12 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_method"
     bl_order = 51
 
-    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Shows only among research settings."""
+        return super().poll(context) and preferences.shows_research()
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws estimators, distance and evaluation; what belongs to one choice is grey with the others."""
         carried = settings.relocation != "connected"
         for name, active in (
@@ -127,7 +124,6 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
             ("variance_reduction", True),
             ("distance", True),
             ("evaluate", True),
-            ("texels", settings.evaluate == "texel"),
             ("relocation", True),
             ("max_jumps", carried),
             ("pattern", carried),
@@ -137,7 +133,7 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
         ):
             row = layout.row()
             row.active = active
-            setting(context, row, settings, name)
+            setting(row, settings, name)
 
 
 class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
@@ -147,37 +143,26 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_output"
     bl_order = 30
 
-    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Shows only among research settings."""
+        return super().poll(context) and preferences.shows_research()
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws attributes, images and buffers, each with its options."""
-        setting(context, layout, settings, "write_attributes")
-        for name, members in (
-            ("write_image", ("image_format", "texels", "image_path")),
-            ("write_buffers", ("buffers_path",)),
-        ):
-            setting(context, layout, settings, name)
+        setting(layout, settings, "write_attributes")
+        for name, members in (("write_image", ("image_format", "image_path")), ("write_buffers", ("buffers_path",))):
+            setting(layout, settings, name)
             if getattr(settings, name):
                 column = layout.column(align=True)
                 for member in members:
-                    if member.endswith("path"):
-                        column.prop(settings, member, text="")
-                    else:
-                        setting(context, column, settings, member)
+                    setting(column, settings, member)
 
 
 def device_words(name: str) -> str:
     """A device as the interface's language has it: its kind in words, and its own name as it is."""
     kind, colon, rest = name.partition(": ")
     return label(kind) + colon + rest
-
-
-def draw_map(context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-    """Draws the descriptor that the filters work on."""
-    items = settings.bl_rna.properties["map_descriptor"].enum_items
-    part, words = place(context, layout, label(items[settings.map_descriptor].name), has_icon=True)
-    if words:
-        part.prop(settings, "map_descriptor", text="")
-    else:
-        part.prop_menu_enum(settings, "map_descriptor", text="", icon="DOWNARROW_HLT")
 
 
 def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:

@@ -1,0 +1,82 @@
+"""Settings that few people need: those that compare methods, reproduce the paper or serve pipelines.
+
+Panels draw them where the preference Research Settings is on. They keep their values either way, and the panel says so
+where one of them differs from its default: nothing acts unseen.
+"""
+
+import bpy
+
+from . import preferences
+
+# By the name of the scene's group of settings.
+RESEARCH = {
+    "paradesc": (
+        *("map_sigma", "harris_k", "corner_threshold", "more_radii"),
+        *("adaptive", "precision", "normals", "material_maps"),
+        *("estimator", "variance_reduction", "distance", "evaluate", "relocation", "max_jumps", "pattern", "ellipse"),
+        *("geodesic", "seed"),
+        *("write_attributes", "write_image", "image_format", "image_path", "write_buffers", "buffers_path"),
+    ),
+    "paradesc_looks": ("percentile", "symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
+    "paradesc_animation": ("frame_source", "relative_to_rest"),
+    "paradesc_live": ("samples", "buffer_size", "fast_seams", "full_render", "missing"),
+}
+# These count only where another one is on.
+PARTS = {
+    "image_format": "write_image",
+    "image_path": "write_image",
+    "buffers_path": "write_buffers",
+    "neutral": "use_neutral",
+}
+
+
+def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
+    """Whether the panels leave out this setting of a scene."""
+    return name in RESEARCH.get(group.path_from_id(), ()) and not preferences.shows_research()
+
+
+def changed(scene: bpy.types.Scene) -> list[tuple[bpy.types.PropertyGroup, str]]:
+    """The research settings of a scene that have an effect because they are not at their defaults."""
+    every = [(getattr(scene, place), name) for place, names in RESEARCH.items() for name in names]
+    return [
+        (group, name)
+        for group, name in every
+        if getattr(group, name) != group.bl_rna.properties[name].default
+        and getattr(group, PARTS.get(name, name)) is not False
+    ]
+
+
+class PARADESC_OT_show_research(bpy.types.Operator):
+    """Switch on Research Settings in the add-on's preferences, so that the panels draw every setting"""
+
+    bl_idname = "paradesc.show_research"
+    bl_label = "Show"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Needs the preferences of an add-on that is enabled."""
+        return preferences.found() is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Switches it on, as somebody would in the preferences."""
+        preferences.found().research_settings = True
+        context.preferences.is_dirty = True
+        return {"FINISHED"}
+
+
+class PARADESC_OT_reset_research(bpy.types.Operator):
+    """Give all research settings of this scene their defaults"""
+
+    bl_idname = "paradesc.reset_research"
+    bl_label = "Reset"
+    bl_options = {"INTERNAL", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Resets those that differ."""
+        for group, name in changed(context.scene):
+            group.property_unset(name)
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_show_research, PARADESC_OT_reset_research)

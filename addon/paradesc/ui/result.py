@@ -1,0 +1,102 @@
+"""What the main panel says of the last bake of the active mesh: one line, what to show of it, and what limits it."""
+
+import bpy
+
+from .. import bridge
+from ..bake.fit import PANEL
+from ..core import advice
+from ..scene import mesh_io, viewports
+from ..settings import presets
+from ..settings.translation import label
+from ..show import recolor
+from .drawing import descriptor_words, sentence_lines
+from .report_panel import stored_report
+
+
+def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws it, if there was a bake whose values are still there."""
+    stored = stored_report(context.active_object)
+    if not stored:
+        return
+    mesh = context.active_object.data
+    column = layout.column(align=True)
+    sentence_lines(context, column, result_sentence(stored))
+    name = recolor.shown_name(mesh)
+    if recolor.baked_names(mesh):
+        row = column.row(align=True)
+        row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
+        if context.space_data.shading.type != "SOLID":
+            row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
+        elif context.space_data.shading.color_type != viewports.ATTRIBUTES:
+            row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
+        elif viewports.can_restore(context):
+            row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
+    if name and not recolor.is_direction(name):
+        draw_levels(context, layout)
+        draw_extremes(context, layout, stored, name)
+    column = layout.column(align=True)
+    for sentence in stored["warnings"].splitlines():
+        sentence_lines(context, column, sentence, "ERROR")
+    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0) and stored["warnings"]:
+        column.operator("paradesc.bake", text="Bake with Fitted Radius").fit = "medium"
+
+
+def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws what changes the colors at once, with the names within the fields."""
+    looks, column = context.scene.paradesc_looks, layout.column(align=True)
+    column.prop(looks, "contrast", slider=True)
+    column.prop(looks, "brightness", slider=True)
+    row = column.row(align=True)
+    row.prop(looks, "invert", toggle=True)
+    if len(recolor.baked_targets(context)) > 1:
+        row.prop(looks, "same_scale", toggle=True)
+
+
+def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored: dict[str, dict], name: str) -> None:
+    """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius."""
+    drawn = stored["drawn"].get(name, {})
+    sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
+    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > mesh_io.DARKEST), "")
+    diagonal = stored["mesh_report"].get("diagonal", 0.0)
+    if not (sentence and diagonal > 0):
+        return
+    column = layout.column(align=True)
+    sentence_lines(context, column, sentence, "INFO")
+    row = column.row(align=True)
+    percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
+    for text, step in (("Finer", -1), ("Broader", 1)):
+        asked = row.operator("paradesc.bake", text=text)
+        asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
+        asked.fit, asked.radius = next_radius(size, percent, step)
+
+
+def next_radius(size: str, percent: float, step: int) -> tuple[str, float]:
+    """The next smaller (step: -1) or larger size (1) and 0, or none and half or twice the percent of the diagonal."""
+    sizes = [*advice.SIZES]
+    place = sizes.index(size) + step if size in sizes else -1
+    return (sizes[place], 0.0) if 0 <= place < len(sizes) else (PANEL[0], percent * 2.0**step)
+
+
+def result_sentence(stored: dict[str, dict]) -> str:
+    """What a bake did and how long it took: "Openness · 0.2 s"."""
+    asked = stored["settings"].get("descriptors")
+    names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
+    seconds = f"{stored['field_report']['seconds_total']:.1f}"
+    return label("{what} · {seconds} s").format(what=baked_words(names), seconds=seconds)
+
+
+def baked_words(names: list[str]) -> str:
+    """The masks that these descriptors are, or the only one of them, or how many there are."""
+    masks = presets.masks_of(set(names))
+    if masks:
+        return ", ".join(label(presets.PRESETS[mask].label) for mask in masks)
+    known = {row.name: row.label for row in bridge.descriptors()}
+    if len(names) == 1:
+        return label(known.get(names[0], names[0]))
+    return label("{count} descriptors").format(count=len(names))
+
+
+def shown_words(mesh: bpy.types.Mesh) -> str:
+    """The descriptor whose colors the mesh shows, in words."""
+    name = recolor.shown_name(mesh)
+    return descriptor_words(name) if name else label("Choose what to show")
