@@ -14,22 +14,40 @@ from shapes import ADDON
 PACKAGE = ADDON / "paradesc"
 # The folders of what people meet in Blender.
 FOLDERS = ("core", "settings", "scene", "bake", "animation", "show", "ui")
-# English stays what is said on the command line and in Python alone, or before the catalogs are there, and sentences
-# that are put together of parts by the rules of English: of faults of the mesh, of UV maps and of images' texels.
+# English stays what is said on the command line and in Python alone, or before the catalogs are there; so do sentences
+# that are put together of parts by the rules of English: of faults of the mesh, of UV maps and of texels.
 ENGLISH = {
     *("core/compare", "core/corners", "core/packing", "core/polygons", "core/stream", "core/tangents"),
     *("core/mesh_faults", "core/uv_faults", "core/udim", "core/transfer", "core/texel_tiles"),
     *("scene/scene_io", "scene/unwrap", "ui/failure"),
 }
-# Names that Blender's files keep, parts of sentences, and words between programs.
+PARTS = {
+    "The mesh {0}; {1}{2}.",
+    "{0} chart",
+    "Blender unwrapped a copy of it into {0} for the computation",
+    "The {0} {1} no effect on the processor, which needs neither.",
+    'The object "{0}" is scaled differently along its axes, but was measured without its scale; ',
+    "{0}{1}, or apply the scale.",
+    '"{0}" is no image that a bake of "{1}" has left like this, and stays as it is: ',
+    '{0}the texture is "{1}".',
+    'The mesh "{0}" {1}; unwrap it (U in edit mode).',
+    "The {0} has no path; give one under Output.",
+    "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
+}
+# What Blender's files and programs read, what the command line says of arrays, and what nobody sees.
 NO_TEXTS = {
     *("Paradesc", "Paradesc cavity", "Paradesc unwrap", "paradesc live", "Paradesc {0} by {1}", "{0} of {1}"),
+    *("The native library is missing", "Paradesc's settings of one scene."),
+    "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
 }
 CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}
 DRAWN = {"text", "heading"}
 # Signs of a sentence, or of a text that format() fills: a later word that is small, or a place in braces.
 SENTENCE = re.compile(r'["“–A-Z{].*? [a-z]{2,}')
 PLACE = re.compile(r"\{[^}]*\}")
+# And of a label, in the folders where such words are not the names of nodes and sockets.
+LABEL = re.compile("[A-Z][a-z]+( ([A-Z][a-z]+|of|to|with))*")
+LABELLED = ("settings", "bake", "animation", "ui")
 
 
 def classes():
@@ -50,6 +68,7 @@ def fields():
     for cls in classes():
         properties = rna_of(cls).properties
         own = {name for base in cls.__mro__ for name in base.__dict__.get("__annotations__", {})}
+        own -= set() if issubclass(cls, bpy.types.Operator) else {"name"}  # which every group has from Blender
         yield from ((cls, name, properties[name]) for name in properties.keys() if name in own)
 
 
@@ -64,16 +83,24 @@ def of_classes():
 
 def of_settings():
     """Names of settings and of their choices, and tooltips, but for research and of formulas: they stay English."""
-    hidden = {name for names in research.RESEARCH.values() for name in names} | {"descriptors", "map_descriptor"}
     for cls, name, field in fields():
-        where = f"{cls.__name__}.{name}"
-        if field.is_hidden:
-            continue
-        shown = [(field.name, field.description), *((item.name, item.description) for item in items(field))]
-        research_only = name in hidden and issubclass(cls, bpy.types.PropertyGroup)
-        for words, description in shown:
-            yield words, where
-            yield "" if research_only else description, where
+        if not field.is_hidden:
+            where = f"{cls.__name__}.{name}"
+            for words in (field.name, *(item.name for item in items(field))):
+                yield words, where
+            for description in () if is_for_research(cls, name) else descriptions(field):
+                yield description, where
+
+
+def is_for_research(cls, name):
+    """Whether a setting is drawn for research alone, or lists the descriptors, whose tooltips are formulas."""
+    hidden = {name for names in research.RESEARCH.values() for name in names} | {"descriptors", "map_descriptor"}
+    return name in hidden and issubclass(cls, bpy.types.PropertyGroup)
+
+
+def descriptions(field):
+    """The tooltips of a setting and of its choices."""
+    return [field.description, *(item.description for item in items(field))]
 
 
 def items(field):
@@ -83,14 +110,15 @@ def items(field):
 
 def of_code():
     """The texts that Python puts together or hands on, with the module; of an f-string, with numbered places."""
+    seen = {text for _, _, field in fields() for text in (field.name, *descriptions(field))}
     for folder in FOLDERS:
         for path in sorted((PACKAGE / folder).glob("*.py")):
             if f"{folder}/{path.stem}" not in ENGLISH:
                 tree = ast.parse(path.read_text(encoding="utf-8"))
-                yield from ((text, f"{folder}/{path.name}") for text in literals(tree))
+                yield from ((text, f"{folder}/{path.name}") for text in literals(tree, folder) if text not in seen)
 
 
-def literals(tree):
+def literals(tree, folder):
     """The texts of one module that are shown, or read as sentences; those of properties have been seen in classes."""
     silent, shown = set(), set()
     for node in ast.walk(tree):
@@ -107,7 +135,8 @@ def literals(tree):
     for node in ast.walk(tree):
         text = "" if node in silent else text_of(node)
         if re.search("[A-Za-z]{2}", PLACE.sub("", text)):
-            if (node in shown and not text.isupper()) or SENTENCE.match(text):
+            is_label = folder in LABELLED and LABEL.fullmatch(text)
+            if is_label or SENTENCE.match(text) or (node in shown and not text.isupper()):
                 yield text
 
 
@@ -132,7 +161,7 @@ def collected():
     found = {}
     for source in (of_classes, of_settings, of_code):
         for text, where in source():
-            if text and text not in NO_TEXTS:
+            if text and text not in NO_TEXTS | PARTS:
                 found.setdefault(text, []).append(where)
     for row in bridge.descriptors():
         found.setdefault(row.label, []).append("registry")

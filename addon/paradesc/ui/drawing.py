@@ -1,5 +1,6 @@
 """What the panels share: their place in the sidebar, settings, and sentences in lines that fit into it."""
 
+import re
 from collections.abc import Callable
 from functools import partial
 
@@ -17,6 +18,9 @@ from ..settings.translation import label
 MARGIN, ICON = 58, 24
 # Blender's own, in which labels are drawn.
 FONT = 0
+# What stands in one line: a word with the space before it, or a Chinese or Japanese sign with the commas behind it.
+SIGN = "\u2e80-\u3000\u3003-\u9fff\uff00-\uffef"
+WORD = re.compile(f" ?(?:[^ {SIGN}，．、。：；）」！？]+|[「（]?[{SIGN}])[，．、。：；）」！？]*")
 
 
 class SidebarPanel:
@@ -58,7 +62,7 @@ def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: st
     if group.bl_rna.properties[name].type == "BOOLEAN":
         layout = layout.row()
         layout.use_property_split = False
-    layout.prop(group, name)
+    layout.prop(group, name, text=label(group.bl_rna.properties[name].name), translate=False)
 
 
 def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str = "NONE") -> None:
@@ -94,10 +98,10 @@ def descriptor_words(name: str) -> str:
 def wrapped(sentence: str, most: float, width_of: Callable[[str], float] = len) -> list[str]:
     """The sentence in lines that are at most so wide, if no word is wider: Blender's labels do not wrap."""
     lines = [""]
-    for word in sentence.split():
-        longer = f"{lines[-1]} {word}".strip()
+    for word in WORD.findall(" ".join(sentence.split())):
+        longer = (lines[-1] + word).strip()
         if lines[-1] and width_of(longer) > most:
-            lines.append(word)
+            lines.append(word.strip())
         else:
             lines[-1] = longer
     return lines
