@@ -10,7 +10,6 @@ from shapes import ADDON
 
 # What German and French need more, as a rule of thumb.
 FACTOR = 1.4
-CONTEXTS = ("*", "Operator")
 
 
 def constants() -> set[str]:
