@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
+import bmesh  # noqa: E402
 
 from paradesc.animation import handlers  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import fitting, job  # noqa: E402
 from paradesc.scene import record, source_meshes, targets  # noqa: E402
 from paradesc.settings import presets  # noqa: E402
 from paradesc.ui import panel, report_panel, result  # noqa: E402
-from scene import add_sphere, attribute_values, saved_scene  # noqa: E402
+from scene import add_sphere, attribute_values, saved_scene, select  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -57,7 +58,7 @@ def test_one_click_bakes_both_grey_masks_of_the_surface_that_is_shown(monkey):
 def test_what_is_measured_is_a_note_and_no_warning(monkey):
     bpy.ops.paradesc.bake()
     stored = record.read(monkey.data)
-    assert "the original ones among them" in stored["notes"]
+    assert "Measured with its modifiers: 7,958 vertices" in stored["notes"]
     assert stored["warnings"] == ""
     assert re.fullmatch(r"Cavity, Edge Wear · \d+\.\d s", result.result_sentence(stored))
     assert report_panel.stored_report(monkey) == stored
@@ -155,6 +156,32 @@ def test_a_mask_that_is_black_nearly_everywhere_gives_way_to_the_other():
     target.data.flip_normals()
     bpy.ops.paradesc.bake()
     assert target.data.color_attributes.active_color.name == "cavity_color"
+
+
+def rods(count=8, thickness=0.04):
+    """Thin upright rods on which every place is near an edge."""
+    bm = bmesh.new()
+    for index in range(count):
+        made = bmesh.ops.create_cube(bm, size=1.0)["verts"]
+        bmesh.ops.scale(bm, vec=(thickness, thickness, 1.0), verts=made)
+        bmesh.ops.translate(bm, vec=(index / count, 0, 0), verts=made)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges[:], cuts=12, use_grid_fill=True)
+    mesh = bpy.data.meshes.new("rods")
+    bm.to_mesh(mesh)
+    target = bpy.data.objects.new("rods", mesh)
+    bpy.context.collection.objects.link(target)
+    select(target)
+    return target
+
+
+def test_the_radius_is_halved_where_parts_are_thinner(monkeypatch):
+    target = rods()
+    bpy.ops.paradesc.bake()
+    found = record.read(target.data)["settings"]["radius"]
+    monkeypatch.setattr(fitting, "HALVINGS", 0)
+    bpy.ops.paradesc.bake()
+    whole = record.read(target.data)["settings"]["radius"]
+    assert whole / found in (2, 4, 8)
 
 
 def test_values_that_are_no_masks_have_the_usual_radius():

@@ -73,6 +73,7 @@ def baked():
 
 
 def test_one_click_brings_the_other_selected_mesh_onto_the_active_one(settings, capfd):
+    bpy.data.objects["coarse"].data["paradesc"] = {"attributes": []}  # which then says what was made
     before = [fingerprint(bpy.data.objects[name]) for name in ("coarse", "fine")]
     assert bpy.ops.paradesc.bake_onto() == {"FINISHED"}
     assert [fingerprint(bpy.data.objects[name]) for name in ("coarse", "fine")] == before
@@ -169,10 +170,6 @@ def test_a_cage_that_is_too_small_is_a_warning_with_numbers_and_a_remedy(setting
 def test_what_cannot_be_baked_is_one_sentence_and_leaves_no_image(settings):
     bpy.data.objects["fine"].location = (50, 0, 0)
     with pytest.raises(RuntimeError, match=r'No texel of "coarse" meets "fine" within .*raise the cage distance\.'):
-        bpy.ops.paradesc.bake_onto()
-    target = bpy.data.objects["coarse"]
-    target.data.uv_layers.remove(target.data.uv_layers[0])
-    with pytest.raises(RuntimeError, match=r'"coarse" has no UV map; unwrap it'):
         bpy.ops.paradesc.bake_onto()
     assert not bpy.data.images
 

@@ -183,7 +183,7 @@ def made():
 
 
 def test_a_texture_says_what_its_pixels_stand_for(made):
-    encoded = image_files.encoded(made, ["mean_curvature"], 96)
+    encoded = image_files.encoded([(made, "mean_curvature")], 96)
     (scale,) = encoded.scales
     pixels, texts = decode16(encoded.content)
     assert texts == {"Description": scale.meaning("mean_curvature", "1/length")}
@@ -194,13 +194,13 @@ def test_a_texture_says_what_its_pixels_stand_for(made):
 
 
 def test_packed_channels_are_those_of_textures_of_their_own(made):
-    together, _ = decode16(image_files.encoded(made, list(image_files.PACKED), 96).content)
+    together, _ = decode16(image_files.encoded([(made, name) for name in image_files.PACKED], 96).content)
     assert together.shape == (96, 96, 3)
     for channel, name in enumerate(image_files.PACKED):
-        alone, _ = decode16(image_files.encoded(made, [name], 96).content)
+        alone, _ = decode16(image_files.encoded([(made, name)], 96).content)
         assert np.array_equal(together[:, :, channel], alone[:, :, 0])
     four, texts = decode16(
-        image_files.encoded(made, [*image_files.PACKED, "mean_curvature"], 96, transparent=True).content
+        image_files.encoded([(made, name) for name in (*image_files.PACKED, "mean_curvature")], 96, True).content
     )
     assert np.array_equal(four[:, :, :3], together)
     assert [part.split(":")[0] for part in texts["Description"].split("; ")] == ["R", "G", "B", "A"]
@@ -209,8 +209,8 @@ def test_packed_channels_are_those_of_textures_of_their_own(made):
 @pytest.mark.parametrize("names", [["mean_curvature"], list(image_files.PACKED)], ids=len)
 def test_outside_is_neutral_or_transparent(made, names):
     size = 512
-    solid, _ = decode16(image_files.encoded(made, names, size).content)
-    clear, _ = decode16(image_files.encoded(made, names, size, transparent=True).content)
+    solid, _ = decode16(image_files.encoded([(made, name) for name in names], size).content)
+    clear, _ = decode16(image_files.encoded([(made, name) for name in names], size, transparent=True).content)
     assert np.array_equal(clear[:, :, :-1], solid)
     assert set(np.unique(clear[:, :, -1])) == {0, 65535}
     outside = clear[:, :, -1] == 0

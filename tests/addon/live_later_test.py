@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import NAME, baked_shape, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import handlers, live  # noqa: E402
+from paradesc.animation import handlers, live, sessions  # noqa: E402
 from paradesc.core import contexts  # noqa: E402
 from scene import subdivide  # noqa: E402
 
@@ -45,7 +45,7 @@ def played(monkeypatch, gate):
     """A live sphere as in a window where somebody plays it and does not wait."""
     made = stretching_sphere()
     assert switch(made) == ""
-    monkeypatch.setattr(handlers, "waits", lambda _scene, _depsgraph: False)
+    monkeypatch.setattr(sessions, "waits", lambda _scene, _depsgraph: False)
     monkeypatch.setattr(handlers, "is_watched", lambda: True)
     return made
 
@@ -115,7 +115,7 @@ def test_a_frame_that_must_be_right_ends_what_is_computed_beside_it(played, gate
 def test_renders_and_windowless_runs_wait_whatever_the_scene_says():
     target = stretching_sphere()
     bpy.context.scene.paradesc_live.wait = False
-    assert handlers.waits(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    assert sessions.waits(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert switch(target) == ""
     for frame in (2, 3):
         bpy.context.scene.frame_set(frame)

@@ -9,7 +9,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import handlers, live, painting  # noqa: E402
+from paradesc.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.scene import mesh_io, source_meshes  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
@@ -181,7 +181,7 @@ def test_modifiers_that_change_the_vertices_are_one_sentence(stretching, caplog)
     stretching.modifiers.new("fewer", "DECIMATE").ratio = 0.5
     bpy.context.scene.frame_set(3)
     assert stretching.paradesc_live.mode == "OFF"
-    assert "vertices of" in stretching.paradesc_live.sentence
+    assert "take vertices away" in stretching.paradesc_live.sentence
     assert stretching.paradesc_live.sentence in caplog.text  # for the log of a farm
     assert np.array_equal(values(stretching), before)
     stretching.modifiers.clear()
@@ -203,7 +203,7 @@ def test_vertices_that_modifiers_append_come_after_the_original_ones(stretching,
         setattr(modifier, name, value)
     place = source_meshes.read(stretching, "evaluated").vertices
     assert np.array_equal(place, np.arange(len(stretching.data.vertices)))
-    assert kind in live.APPENDING
+    assert kind in surfaces.APPENDING
     assert switch(stretching) == ""
     bpy.context.scene.frame_set(3)
     assert stretching.paradesc_live.sentence == ""
@@ -216,7 +216,7 @@ def test_vertices_that_modifiers_append_come_after_the_original_ones(stretching,
 def test_a_mirror_that_cuts_is_one_sentence(stretching):
     modifier = stretching.modifiers.new("cut", "MIRROR")
     modifier.use_bisect_axis[0] = True
-    assert "find the original" in switch(stretching)
+    assert "take vertices away" in switch(stretching)
 
 
 def test_positions_that_are_not_finite_are_one_sentence(stretching):
@@ -233,7 +233,7 @@ def test_what_nobody_thought_of_is_one_sentence(stretching, monkeypatch):
     def fail(*_words):
         raise ZeroDivisionError("nobody thought of this")
 
-    monkeypatch.setattr(live, "deformed_positions", fail)
+    monkeypatch.setattr(surfaces, "deformed_positions", fail)
     bpy.context.scene.frame_set(2)
     assert "nobody thought of this" in stretching.paradesc_live.sentence
 
@@ -396,16 +396,16 @@ def test_an_object_of_two_scenes_has_the_values_of_the_one_whose_frame_changed_l
     second.frame_set(20)
     bent = values(target)
     assert np.nanmax(np.abs(bent - straight)) > 0.05
-    assert handlers.place_of(target, shown) == shown[1]
+    assert sessions.place_of(target, shown) == shown[1]
     for _ in range(3):  # our own writing is an edit in both scenes
         shown[1][1].update()
-        handlers.refresh(second, shown[1][1].depsgraph, [target])
+        sessions.refresh(second, shown[1][1].depsgraph, [target])
     assert len(done) == 1
     assert np.array_equal(values(target), bent, equal_nan=True)
     first.frame_set(1)
-    assert handlers.place_of(target, shown) == shown[0]
+    assert sessions.place_of(target, shown) == shown[0]
     assert np.array_equal(values(target), straight, equal_nan=True)
-    assert handlers.place_of(target, shown[1:]) == shown[1], "the only one that is shown"
+    assert sessions.place_of(target, shown[1:]) == shown[1], "the only one that is shown"
     assert len(done) == 2
 
 
@@ -473,7 +473,7 @@ def test_an_object_that_is_removed_while_it_is_refreshed_is_forgotten(stretching
         bpy.data.objects.remove(target)
         return target.name  # raises ReferenceError
 
-    monkeypatch.setattr(live, "deformed_positions", remove)
+    monkeypatch.setattr(surfaces, "deformed_positions", remove)
     bpy.context.scene.frame_set(2)
     assert handlers.live_objects() == []
     assert handlers.STATE.sessions == {}

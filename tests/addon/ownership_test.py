@@ -14,7 +14,7 @@ from paradesc.animation import handlers  # noqa: E402
 from paradesc.scene import mesh_io  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere, subdivide  # noqa: E402
-from writers import NAME, WRITERS, attribute, bake, everything, kinds, remeshed, result_of  # noqa: E402
+from writers import NAME, WRITERS, attribute, bake, everything, kinds  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -111,43 +111,3 @@ def test_objects_that_nobody_has_made_live_get_no_settings(target):
     bpy.context.scene.frame_set(2)
     assert not handlers.is_live(other)
     assert not other.is_property_set("paradesc_live")
-
-
-# ---- Result objects
-
-
-def test_a_result_object_keeps_earlier_masks_and_where_it_was_moved(target):
-    remeshed(target)
-    result = result_of(target)
-    values = result.data.attributes[NAME].data
-    before = [item.value for item in values]
-    result.location.x, settings = 9.0, bpy.context.scene.paradesc
-    settings.descriptors = {"cavity"}
-    assert bpy.ops.paradesc.bake() == {"FINISHED"}
-    assert recolor.baked_names(result.data) == ["cavity", NAME]
-    assert [item.value for item in result.data.attributes[NAME].data] == before
-    assert result.location.x == 9.0
-
-
-@pytest.mark.parametrize("kind", ["DECIMATE", "BEVEL"])
-def test_a_result_object_takes_along_what_was_baked_on_the_base_mesh(kind, target, capfd):
-    bake(target)
-    target.modifiers.new(kind, kind)
-    if kind == "DECIMATE":
-        target.modifiers[kind].ratio = 0.5
-    target.modifiers.new("Remesh", "REMESH").show_viewport = False
-    for _ in range(2):
-        remeshed(target)
-        result = result_of(target)
-        assert recolor.baked_names(result.data) == ["cavity", NAME]
-        assert recolor.stored_range(result.data, "cavity")
-        assert "stays as it is" not in capfd.readouterr().out
-    assert len(bpy.data.objects) == 2
-
-
-def test_a_result_object_that_was_not_moved_follows_its_object(target):
-    remeshed(target)
-    target.location.x = 5.0
-    bpy.context.view_layer.update()
-    remeshed(target)
-    assert result_of(target).location.x == 5.0

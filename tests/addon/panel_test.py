@@ -92,7 +92,7 @@ def context():
             system=SimpleNamespace(ui_scale=SCALE), ui_styles=[SimpleNamespace(widget=SimpleNamespace(points=11))]
         ),
         region=SimpleNamespace(width=SCALE * DEFAULT_WIDTH),
-        space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX")),
+        space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX", light="FLAT")),
     )
 
 

@@ -13,7 +13,7 @@ from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
 from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
-from paradesc.show.node_groups import add_socket  # noqa: E402
+from paradesc.scene.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
 from shapes import ADDON  # noqa: E402
 
@@ -130,33 +130,17 @@ def test_original_vertices_are_found_among_the_evaluated_ones(kind, settings, ma
     found = reading.arrays.positions[reading.vertices]
     nearest = np.linalg.norm(own[:, None] - found[None], axis=2).argmin(axis=1)  # subdivision draws them inwards
     assert np.array_equal(nearest, np.arange(152))
-    assert "go to the original" in reading.notes[0]
+    assert reading.notes == [f"Measured with its modifiers: {made} vertices."]
 
 
 @pytest.mark.parametrize(("kind", "settings"), [("REMESH", {"voxel_size": 0.4}), ("DECIMATE", {"ratio": 0.5})])
-def test_where_vertices_are_lost_results_get_an_object_of_their_own(kind, settings):
+def test_where_vertices_are_lost_the_reading_says_so(kind, settings):
     target = with_modifiers((kind, settings))
-    before = fingerprint(target)[:4]
+    before = fingerprint(target)
     reading = source_meshes.read(target, "evaluated")
-    assert not reading.own
-    results = job.run(reading.arrays, QUICK)
-    sentences = delivery.deliver(target, results, reading)
-    holder = bpy.data.objects["sphere_paradesc"]
-    assert any("sphere_paradesc" in sentence for sentence in sentences)
-    assert np.array_equal(attribute_values(holder.data, "mean_curvature"), results.values["mean_curvature"])
-    assert fingerprint(target)[:4] == before
-    objects, meshes = len(bpy.data.objects), len(bpy.data.meshes)
-    delivery.deliver(target, results, source_meshes.read(target, "evaluated"))
-    assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
-
-
-def test_an_object_that_has_the_name_by_chance_is_left_alone():
-    target = with_modifiers(("REMESH", {"voxel_size": 0.4}))
-    stranger = bpy.data.objects.new("sphere_paradesc", bpy.data.meshes.new("other"))
-    reading = source_meshes.read(target, "evaluated")
-    delivery.deliver(target, job.run(reading.arrays, QUICK), reading)
-    assert len(stranger.data.vertices) == 0
-    assert "sphere_paradesc.001" in bpy.data.objects
+    assert (reading.own, reading.generated, reading.vertices) == (False, True, None)
+    assert reading.notes == [f"Measured with its modifiers: {len(reading.arrays.positions)} vertices."]
+    assert fingerprint(target) == before
 
 
 def test_subdivided_results_on_the_original_are_those_of_its_vertices():

@@ -341,3 +341,79 @@ def test_nothing_to_make_local_is_said_by_the_poll():
     add_spheres("ball")
     with pytest.raises(RuntimeError, match="poll"):
         bpy.ops.paradesc.make_local()
+
+
+# ---- What is no mesh
+
+
+def of_kind(kind, name):
+    """A text, a curve or a metaball of this name, selected beside what is."""
+    content = bpy.data.metaballs.new(name) if kind == "META" else bpy.data.curves.new(name, kind)
+    if kind == "FONT":
+        content.body, content.extrude = "A", 0.1
+    elif kind == "META":
+        content.elements.new()
+    else:
+        spline = content.splines.new("POLY")
+        spline.points.add(1)
+        spline.points[1].co = (1.0, 0.0, 0.0, 1.0)
+        content.bevel_depth = 0.1
+    made = bpy.data.objects.new(name, content)
+    bpy.context.collection.objects.link(made)
+    made.select_set(True)
+    return made
+
+
+def test_what_a_bake_skips_is_named_at_the_end_of_its_line(capfd):
+    (sphere,) = add_spheres("ball")
+    for index in range(4):
+        of_kind("FONT", f"text {index}")
+    assert sorted(item.name for item in targets.skipped(bpy.context)) == [f"text {index}" for index in range(4)]
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert '; 4 skipped, not meshes: "text 0", "text 1", "text 2", …' in capfd.readouterr().out
+    assert "mean_curvature" in sphere.data.attributes
+
+
+def test_nothing_is_skipped_where_all_are_meshes(capfd):
+    add_spheres("ball")
+    assert targets.skipped(bpy.context) == []
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert "skipped" not in capfd.readouterr().out
+    assert not bpy.ops.paradesc.convert_to_mesh.poll()
+
+
+@pytest.mark.parametrize("kind", ["FONT", "CURVE", "META"])
+def test_what_is_no_mesh_is_converted_in_place_and_can_be_baked(kind):
+    (sphere,) = add_spheres("ball")
+    sphere.select_set(False)
+    made = of_kind(kind, "thing")
+    made.location.x = 3.0
+    bpy.context.view_layer.objects.active = made
+    assert targets.obstacle(bpy.context) == "Convert the selected objects to meshes first"
+    assert bpy.ops.paradesc.convert_to_mesh() == {"FINISHED"}
+    (converted,) = bpy.context.view_layer.objects.selected
+    assert (converted.type, converted.name, converted.location.x) == ("MESH", "thing", 3.0)
+    assert bpy.context.view_layer.objects.active == converted
+    assert targets.obstacle(bpy.context) == ""
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert "mean_curvature" in converted.data.attributes
+
+
+def test_meshes_stay_selected_and_active_when_others_are_converted():
+    (sphere,) = add_spheres("ball")
+    of_kind("FONT", "text")
+    of_kind("CURVE", "wire")
+    bpy.context.view_layer.objects.active = sphere
+    sphere.select_set(True)
+    assert bpy.ops.paradesc.convert_to_mesh() == {"FINISHED"}
+    assert sorted(item.name for item in targets.chosen(bpy.context)) == ["ball", "text", "wire"]
+    assert targets.chosen(bpy.context)[0] == sphere
+
+
+def test_a_curve_without_a_surface_stays_a_curve_and_is_named(capfd):
+    add_spheres("ball")
+    wire = of_kind("CURVE", "wire")
+    wire.data.bevel_depth = 0.0
+    assert bpy.ops.paradesc.convert_to_mesh() == {"CANCELLED"}
+    assert "no faces" in capfd.readouterr().out
+    assert wire.type == "CURVE"

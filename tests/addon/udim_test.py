@@ -179,7 +179,7 @@ def test_a_map_in_the_first_tile_makes_the_file_that_it_made():
     arrays = bumpy(8)
     (texture,) = made(arrays, "mean_curvature").made
     results = texel_centers.run(arrays, settings_of("mean_curvature"), SIZE)
-    expected = image_files.encoded(Baked("x", results, arrays, np.eye(4)), ["mean_curvature"], SIZE)
+    expected = image_files.encoded([(Baked("x", results, arrays, np.eye(4)), "mean_curvature")], SIZE)
     assert texture.content == expected.content
     assert texture.file_name == "x_curvature.png"
 

@@ -1,4 +1,4 @@
-"""Every viewport gets back what it showed before a bake."""
+"""Viewports show masks in flat light, and get back what they showed before a bake."""
 
 from types import SimpleNamespace
 
@@ -16,11 +16,24 @@ class Screen(dict):
         self.areas = [self.area("VIEW_3D", "MATERIAL"), self.area("CONSOLE"), self.area("VIEW_3D", "RANDOM")]
         self.areas.append(self.area("VIEW_3D", "VERTEX"))
 
-    def area(self, kind, color_type=""):
+    def area(self, kind, color_type="", **more):
         items = [SimpleNamespace(identifier=name) for name in ("MATERIAL", "RANDOM", "SINGLE", "VERTEX")]
-        rna = SimpleNamespace(properties={"color_type": SimpleNamespace(enum_items=items)})
-        shading = SimpleNamespace(type="SOLID", color_type=color_type, bl_rna=rna)
+        lights = [SimpleNamespace(identifier=name) for name in ("STUDIO", "MATCAP", "FLAT")]
+        switch = SimpleNamespace(type="BOOLEAN")
+        properties = {
+            "color_type": SimpleNamespace(type="ENUM", enum_items=items),
+            "light": SimpleNamespace(type="ENUM", enum_items=lights),
+            "show_cavity": switch,
+            "show_shadows": switch,
+        }
+        values = {"light": "STUDIO", "show_cavity": False, "show_shadows": False, **more}
+        shading = SimpleNamespace(
+            type="SOLID", color_type=color_type, **values, bl_rna=SimpleNamespace(properties=properties)
+        )
         return SimpleNamespace(type=kind, spaces=SimpleNamespace(active=SimpleNamespace(shading=shading)))
+
+    def lights(self):
+        return [area.spaces.active.shading.light for area in self.areas if area.type == "VIEW_3D"]
 
     def shown(self):
         return [area.spaces.active.shading.color_type for area in self.areas if area.type == "VIEW_3D"]
@@ -46,3 +59,61 @@ def test_a_viewport_that_was_set_since_stays_and_old_files_are_read():
     screen[viewports.FORMER] = "MATERIAL"
     viewports.restore(screen)
     assert screen.shown() == ["SINGLE", "RANDOM", "MATERIAL"]
+
+
+def looks(shading):
+    """What a viewport shows, as far as a bake changes it."""
+    return {name: getattr(shading, name) for name in viewports.PLAIN}
+
+
+def test_masks_are_shown_in_flat_light_without_shadows_and_all_of_it_comes_back():
+    screen = Screen()
+    screen.areas[0] = screen.area("VIEW_3D", "MATERIAL", light="MATCAP", show_cavity=True, show_shadows=True)
+    before = [looks(shading) for _, shading in viewports.shadings(screen)]
+    for _, shading in viewports.shadings(screen):
+        viewports.show_attributes(screen, shading)
+        assert looks(shading) == viewports.PLAIN
+    viewports.restore(screen)
+    assert [looks(shading) for _, shading in viewports.shadings(screen)] == before
+
+
+def test_a_light_that_was_chosen_since_stays():
+    screen = Screen()
+    shading = screen.areas[0].spaces.active.shading
+    viewports.show_attributes(screen, shading)
+    shading.light = "MATCAP"
+    viewports.restore(screen)
+    assert (shading.light, shading.color_type) == ("MATCAP", "MATERIAL")
+
+
+def test_what_was_there_at_first_is_known_though_it_is_shown_again():
+    screen = Screen()
+    shading = screen.areas[0].spaces.active.shading
+    viewports.show_attributes(screen, shading)
+    shading.color_type = "SINGLE"  # somebody chooses another color, and the eye shows attributes again
+    viewports.show_attributes(screen, shading)
+    viewports.restore(screen)
+    assert (shading.light, shading.color_type) == ("STUDIO", "SINGLE")
+
+
+def test_who_sculpts_keeps_the_light_or_gets_it_back():
+    screen = Screen()
+    shading = screen.areas[0].spaces.active.shading
+    viewports.show_attributes(screen, shading, viewports.LIT)
+    assert (shading.light, shading.color_type) == ("STUDIO", "VERTEX")
+    viewports.show_attributes(screen, shading)
+    assert shading.light == "FLAT"
+    viewports.show_attributes(screen, shading, viewports.LIT)
+    assert shading.light == "STUDIO"
+    viewports.restore(screen)
+    assert (shading.light, shading.color_type) == ("STUDIO", "MATERIAL")
+
+
+def test_what_earlier_versions_kept_of_each_viewport_is_restored():
+    screen = Screen()
+    for _, shading in viewports.shadings(screen):
+        shading.color_type = "VERTEX"
+    screen[viewports.FORMER] = {"0": "MATERIAL", "2": "RANDOM"}
+    viewports.restore(screen)
+    assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
+    assert screen.lights() == ["STUDIO"] * 3

@@ -41,6 +41,24 @@ def view_context() -> dict[str, object]:
     return {"window": window, "area": area, "region": region}
 
 
+def run_in_view(operator, *words: object, **settings: object) -> None:
+    """Runs an operator as if over the viewport; the last argument of an undoable one is True."""
+    with bpy.context.temp_override(**view_context()):
+        operator(*words, **settings)
+
+
+def chosen_brush() -> bool:
+    """Whether sculpt mode has its brush: since 4.3 brushes are assets, of which none is chosen at first."""
+    if bpy.app.version < (4, 3, 0):
+        return True
+    brush = "brushes/essentials_brushes-mesh_sculpt.blend/Brush/Draw"
+    try:
+        run_in_view(bpy.ops.brush.asset_activate, asset_library_type="ESSENTIALS", relative_asset_identifier=brush)
+    except RuntimeError:
+        return False
+    return True
+
+
 def prepare() -> None:
     """Makes a scene without objects and without a splash screen, and enables the add-on."""
     bpy.context.preferences.view.show_splash = False

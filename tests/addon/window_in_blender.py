@@ -17,7 +17,18 @@ from paradesc.bake import operators  # noqa: E402
 from paradesc.files import png  # noqa: E402
 from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
-from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
+from window import (  # noqa: E402
+    baking,
+    begin,
+    chosen_brush,
+    prepare,
+    run_in_view,
+    say,
+    screen_pixels,
+    start_bake,
+    view_context,
+    wait_for,
+)
 
 STEP = 0.2
 # Pixels from the sidebar's top to the middle of the Paradesc tab, for the screenshot.
@@ -30,12 +41,6 @@ def press(key: str, **place: int) -> Iterator[None]:
     for value in ("PRESS", "RELEASE"):
         window.event_simulate(key, value, **{"x": 700, "y": 500, **place})
         yield
-
-
-def run_in_view(operator, *words: object, **settings: object) -> None:
-    """Runs an operator as if over the viewport; the last argument of an undoable one is True."""
-    with bpy.context.temp_override(**view_context()):
-        operator(*words, **settings)
 
 
 def computing() -> bool:
@@ -147,15 +152,11 @@ def sculpted(name: str) -> Iterator[None]:
     """Checks that a bake sees a stroke without leaving sculpt mode, and that undo removes values, not the stroke."""
     run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="SCULPT")
     yield
-    if bpy.app.version >= (4, 3, 0):  # brushes are assets, of which none is chosen at first
-        brush = "brushes/essentials_brushes-mesh_sculpt.blend/Brush/Draw"
-        try:
-            run_in_view(bpy.ops.brush.asset_activate, asset_library_type="ESSENTIALS", relative_asset_identifier=brush)
-        except RuntimeError:
-            run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="OBJECT")
-            say("left strokes out: this Blender was packed without its brushes")
-            return
-        yield
+    if not chosen_brush():
+        run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="OBJECT")
+        say("left strokes out: this Blender was packed without its brushes")
+        return
+    yield
     before = mesh_io.read_positions(bpy.data.meshes[name])
     region = view_context()["region"]
     middle = (region.width / 2, region.height / 2)

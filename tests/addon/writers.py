@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from mesh_io_test import made_up_results
-from paradesc.scene import mesh_io, sculpt_masks
+from paradesc.scene import carrying, mesh_io, record, sculpt_masks
 from scene import add_sphere, select, small_bake
 
 NAME = "mean_curvature"
@@ -315,39 +315,37 @@ def remeshed(target):
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
 
 
-def result_of(target):
-    return bpy.data.objects[f"{target.name}_paradesc"]
+def carrying_group(target):
+    """The nodes that carry the values of what modifiers make."""
+    return target.modifiers[-1].node_group
 
 
 def remeshed_and(change):
-    """The user's change of the result object."""
+    """The user's change of these nodes."""
 
     def make(target):
         remeshed(target)
-        change(result_of(target))
+        change(carrying_group(target))
 
     return make
 
 
-def sculpted(result):
-    result.data.vertices[0].co.z += 0.5
+def muted(group):
+    group.nodes["Switch"].mute = True
 
 
-def with_material(result):
-    result.data.materials.append(bpy.data.materials.new("mine"))
+def with_a_node(group):
+    group.nodes.new("GeometryNodeSetPosition")
 
 
-def with_attribute(result):
-    attribute("mine")(result)
+def of_an_own_object(group):
+    group.nodes[carrying.CARRIER].inputs["Object"].default_value = add_sphere("mine", steps=2)
 
 
-def called_otherwise(result):
-    result.name = "mine"
-
-
-def painted_result(result):
-    colors = result.data.attributes[f"{NAME}_color"]
-    colors.data[0].color = (0.25, 0.5, 0.75, 1.0)
+def result_object(target):
+    """What earlier versions left where modifiers lose vertices."""
+    made = add_sphere(f"{target.name}_paradesc", steps=2)
+    made[record.PROPERTY] = target.name
 
 
 def long_name(target):
@@ -376,7 +374,7 @@ def frames(target):
     target.paradesc_live.mode = "OFF"
 
 
-CHANGES = (sculpted, with_material, with_attribute, called_otherwise, painted_result)
+CHANGES = (muted, with_a_node, of_an_own_object)
 MADE = "not made here, or was changed since"
 COLORS = f"{NAME}_corner_color"
 WRITERS = {
@@ -410,8 +408,9 @@ WRITERS = {
         lambda _target: bake_image(bpy.data.objects["Wall.001"]),
         in_unsaved_file(others(bake_image, "Wall.001", "Wall 001")),
     ),
-    **{f"result object, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
-    "result object of a long name": Writer(remeshed, long_name),
+    **{f"carried values, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
+    "carried values of a long name": Writer(remeshed, long_name),
+    "result object of an earlier version": Writer(remeshed, result_object),
     "live values": Writer(live, attribute(NAME)),
     "live values over what was painted": Writer(live, painted(f"{NAME}_color"), changes={"coverage"}),
     "values painted over after live ones": Writer(bake, painted(f"{NAME}_color", live), changes={"coverage"}),

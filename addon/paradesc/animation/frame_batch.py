@@ -17,7 +17,7 @@ from ..scene import surface_maps, targets
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from ..settings.translation import label
-from . import frames, handlers, painting, pausing
+from . import frames, painting, pausing, sessions
 
 
 @dataclass
@@ -39,7 +39,7 @@ class FrameBatch(Pieces):
         self.wanted, self.beside = wanted, beside
         self.settings = properties.job_settings(scene.paradesc)
         job.check_descriptors(self.settings.descriptors)
-        self.options = (group.frame_source, group.relative_to_rest, group.overwrite)
+        self.options = (group.relative_to_rest, group.overwrite)
         self.material_maps = scene.paradesc.material_maps
         super().__init__(pieces_of(targets.chosen(context), root))
         self.next = 0  # which of the wanted frames
@@ -100,7 +100,8 @@ class FrameBatch(Pieces):
         if piece.failure:
             raise refuse(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
-        request = frames.FrameRequest(self.settings, piece.folder, *self.options, maps if maps.any else None)
+        source = frames.source_of(scene, target)
+        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
         baker = frames.FrameBaker(scene, target, request)
         self.baker, self.next = baker, 0
         self._open.callback(baker.close)
@@ -151,9 +152,9 @@ class FrameBatch(Pieces):
             return
         look = looks.scene_look(scene)
         if not look.ranges:
-            with handlers.our_turn(wait=True):
+            with sessions.our_turn(wait=True):
                 painting.hold_ranges(scene.paradesc_live, look, cache.ranges_over(places, look))
-        handlers.forget_ranges()
+        sessions.forget_ranges()
 
     @property
     def made(self) -> int:

@@ -5,252 +5,35 @@ are drawn and rendered. With a window, renders call it from a thread of their ow
 locked.
 """
 
-import logging
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 
 import bpy
 from bpy.app.handlers import persistent
 
-from ..bridge import ParadescError
-from ..core import contexts
-from ..settings import looks
-from ..settings.snapshot import identity
-from . import live, painting, pausing, playback, unkeyed
+from ..bake.modal import ModalJob
+from ..scene import record, viewports
+from ..settings import hooks, looks
+from . import live, painting, pausing, unkeyed
+from .sessions import (
+    STATE,
+    collect,
+    forget_all,
+    holder_of,
+    is_live,
+    is_ours,
+    is_watched,
+    live_objects,
+    look_changed,
+    refresh,
+    refresh_window,
+    session_at,
+    start_timer,
+    switch_off,
+)
 
-# Seconds without another edit after which live values follow.
-EDIT_DELAY = 0.2
-# Seconds between two looks at what is computed beside the window.
-COLLECT_STEP = 0.01
-KINDS = {"LIVE": live.Session, "CACHE": playback.Player}
-LOG = logging.getLogger("paradesc")
-Place = tuple[bpy.types.Scene, bpy.types.ViewLayer]
-
-
-class State:
-    """What lasts between two events. Cleared when a file is loaded."""
-
-    def __init__(self) -> None:
-        self.sessions: dict[object, live.Session | playback.Player] = {}  # by the object's identity
-        self.listed: list[tuple[str, object]] = []  # names and identities of live objects
-        self.object_count = -1  # in the file, when they were listed
-        self.edited_at: float | None = None
-        self.render_time: float | None = None  # the frame that is being rendered, with its subframe
-        self.rendering = False
-        self.turn = threading.Lock()  # held by the one thread that writes
-        self.owner = 0
-
-
-STATE = State()
-
-
-def forget_all() -> None:
-    """Frees every session, and the devices that nobody uses."""
-    for session in STATE.sessions.values():
-        session.close()
-    STATE.sessions.clear()
-    STATE.object_count = -1
-    contexts.close_idle()
-
-
-def live_objects() -> list[bpy.types.Object]:
-    """The objects that have live values switched on; listed afresh when objects came, went or were renamed.
-
-    Of objects that share a mesh, as linked duplicates do, only the first counts: the mesh can hold the values of one.
-    """
-    objects = bpy.data.objects
-    found = [objects.get((name, None)) for name, _ in STATE.listed]
-    same = all(
-        item is not None and identity(item) == known and is_live(item)
-        for item, (_, known) in zip(found, STATE.listed, strict=True)
-    )
-    if len(objects) != STATE.object_count or not same:
-        found = [item for item in objects if is_live(item)]
-        STATE.listed, STATE.object_count = [(item.name, identity(item)) for item in found], len(objects)
-    first: dict[bpy.types.Mesh, bpy.types.Object] = {}
-    for item in found:
-        first.setdefault(item.data, item)
-    for known in set(STATE.sessions) - {identity(item) for item in first.values()}:
-        STATE.sessions.pop(known).close()
-    return list(first.values())
-
-
-def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
-    """Another live object with the same mesh, whose values the mesh holds instead of this one's."""
-    return next((item for item in live_objects() if item.data == target.data and item != target), None)
-
-
-def is_live(target: bpy.types.Object) -> bool:
-    """Whether live values are on for a local mesh; a linked mesh could not keep what is written to it.
-
-    Reading the settings of an object would store them there, so those that have none are left alone.
-    """
-    stored = target.type == "MESH" and target.library is None and target.is_property_set("paradesc_live")
-    return stored and target.paradesc_live.mode != "OFF"
-
-
-# ---- Values
-
-
-@contextmanager
-def our_turn(wait: bool) -> Iterator[bool]:
-    """Gives True to one thread at a time, and False to the events that its own writing causes."""
-    if is_ours() or not STATE.turn.acquire(blocking=wait):
-        yield False
-        return
-    STATE.owner = threading.get_ident()
-    try:
-        yield True
-    finally:
-        STATE.owner = 0
-        STATE.turn.release()
-
-
-def is_ours() -> bool:
-    """Whether this thread is the one that writes."""
-    return STATE.owner == threading.get_ident()
-
-
-def refresh(
-    scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: list[bpy.types.Object], watched: bool = False
-) -> None:
-    """Brings the values of these objects up to date. Renders wait for their turn, other events give up.
-
-    watched: somebody looks at a window, and may see values a moment later unless the scene waits for them.
-    """
-    wait = not watched or waits(scene, depsgraph)
-    with our_turn(wait=depsgraph.mode == "RENDER") as ours:
-        for target in targets if ours else ():
-            refresh_one(scene, depsgraph, target, wait)
-    if not wait and any(session.busy for session in STATE.sessions.values()):
-        start_timer(collect, COLLECT_STEP)
-
-
-def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether values have to be there at once: always, unless a person at a window asks."""
-    return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
-
-
-def is_watched() -> bool:
-    """Whether frames change because somebody plays the animation or drags the current frame, and nothing is written."""
-    screens = [window.screen for window in bpy.context.window_manager.windows]
-    return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
-
-
-def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
-    """Refreshes one object. An error switches it off, and is reported in the panel and in the log of a farm."""
-    with switching_off(target):
-        session_of(target).refresh(target, depsgraph, scene, wait)
-
-
-@contextmanager
-def switching_off(target: bpy.types.Object) -> Iterator[None]:
-    """Ends an object's live values if something goes wrong inside; an object that is gone is forgotten."""
-    try:
-        yield
-    except ParadescError as error:
-        switch_off(target, error.sentence)
-    except ReferenceError:
-        STATE.object_count = -1
-    except Exception as error:  # noqa: BLE001 (whatever it is, an exception would stop nothing but the sentence)
-        switch_off(target, f"Live values stopped: {type(error).__name__}: {error}")
-
-
-def collect(wait: bool = False) -> float | None:
-    """Runs as a timer: shows what was computed beside the window; gives the seconds until the next call, or None."""
-    if STATE.rendering:
-        return EDIT_DELAY
-    with our_turn(wait=False) as ours:
-        for target in live_objects() if ours else ():
-            session = session_at(target)
-            if session is not None and session.busy:
-                with switching_off(target):
-                    session.collect(target, wait)
-    return COLLECT_STEP if any(session.busy for session in STATE.sessions.values()) else None
-
-
-def start_timer(function: Callable[[], float | None], seconds: float) -> None:
-    """Has Blender call this timer, unless it does so already."""
-    if not bpy.app.background and not bpy.app.timers.is_registered(function):
-        bpy.app.timers.register(function, first_interval=seconds)
-
-
-def session_at(target: bpy.types.Object) -> live.Session | playback.Player | None:
-    """What the object keeps so far."""
-    return STATE.sessions.get(identity(target))
-
-
-def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
-    """What the object keeps, by its mode."""
-    wanted, found = KINDS[target.paradesc_live.mode], session_at(target)
-    if not isinstance(found, wanted):
-        if found is not None:
-            found.close()
-        found = STATE.sessions[identity(target)] = wanted()
-    return found
-
-
-def switch_off(target: bpy.types.Object, sentence: str) -> None:
-    """Ends the live values of an object and says why; does nothing if the object is gone."""
-    try:
-        LOG.error('%s: live values of "%s" are switched off. %s', "Paradesc", target.name, sentence)
-        target.paradesc_live.mode = "OFF"
-        target.paradesc_live.sentence = sentence
-    except ReferenceError:
-        STATE.object_count = -1
-
-
-def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
-    """Brings objects up to date in what the windows show, or without a window in the current view layer."""
-    if is_ours() or STATE.rendering:
-        return
-    windows = bpy.context.window_manager.windows
-    shown = [(window.scene, window.view_layer) for window in windows] or [(bpy.context.scene, bpy.context.view_layer)]
-    for _, layer in shown:
-        layer.update()
-    places = [place_of(target, shown) for target in targets]
-    for place in dict.fromkeys(places):
-        if place is not None:
-            scene, layer = place
-            layer.update()
-            refresh(scene, layer.depsgraph, [t for t, p in zip(targets, places, strict=True) if p == place], watched)
-
-
-def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
-    """The shown scene whose values the object has. A mesh holds those of one scene: where a frame changed last."""
-    session = session_at(target)
-    known = "" if session is None else session.scene_name
-    there = [place for place in shown if live.evaluated_object(target, place[1].depsgraph) is not None]
-    return min(there, key=lambda place: place[0].name != known, default=None)
-
-
-def take_ranges(scene: bpy.types.Scene) -> None:
-    """Makes the colors of all live objects span their present values, and those of played objects all frames."""
-    forget_ranges()
-    refresh_window(live_objects())
-    look = looks.scene_look(scene)
-    with our_turn(wait=True):
-        found = [session_at(target).found_ranges(look) for target in live_objects() if session_at(target)]
-        painting.take_ranges(scene.paradesc_live, found)
-    refresh_window(live_objects())
-
-
-def forget_ranges() -> None:
-    """Makes the ranges of caches be read again."""
-    for session in STATE.sessions.values():
-        session.forget_ranges()
-
-
-def look_changed(scene: bpy.types.Scene) -> None:
-    """Applies changed color settings to live objects at once."""
-    if not live_objects():
-        return
-    if painting.keeps_ranges(scene.paradesc_live, looks.scene_look(scene)):
-        refresh_window(live_objects())
-    else:
-        take_ranges(scene)
+# Seconds without another edit after which live values follow, and after a stroke in sculpt mode, whose end is seen.
+EDIT_DELAY, STROKE_DELAY = 0.2, 0.02
 
 
 # ---- Switching
@@ -269,7 +52,12 @@ def mode_changed(target: bpy.types.Object) -> None:
     if target not in targets:
         return
     target.paradesc_live.sentence = ""
+    record.forget(target.data, live.RADII)
     refresh_window([target])
+    session = session_at(target)
+    if session is not None and target.paradesc_live.mode != "OFF":
+        session.reveal(target)
+        viewports.reveal(bpy.context)
 
 
 def shared_sentence(other: bpy.types.Object) -> str:
@@ -314,36 +102,56 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
     if not targets or depsgraph is None or is_ours():
         return
     hit = list(edited_objects(targets, depsgraph))
-    if not hit:
+    if not hit and not settings_changed(targets, scene, depsgraph):
         return
-    for session in filter(None, map(session_at, hit)):
+    for target in hit:
+        session = session_at(target)
+        if session is None or target.mode == "SCULPT":  # strokes move vertices, and change nothing else
+            continue
         if session.wrote:  # most likely it is that; and if not, a comparison at rest will tell
             session.wrote, session.unsure = False, True
         else:
             session.edited = True
     STATE.edited_at = time.monotonic()
-    start_timer(follow_edits, EDIT_DELAY)
+    start_timer(follow_edits, delay_of(targets))
 
 
 def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Those of the objects whose shape the depsgraph evaluated again."""
+    """Those of the objects whose shape the depsgraph evaluated again. Strokes of sculpt mode are drawn without that."""
+    touched = {update.id.original for update in depsgraph.updates}
     changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
     for target in targets:
-        if target in changed or target.data in changed:
+        if {target, target.data} & (touched if target.mode == "SCULPT" else changed):
             yield target
+
+
+def settings_changed(
+    targets: list[bpy.types.Object], scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
+) -> bool:
+    """Whether somebody has chosen other settings than those that the values on the objects have."""
+    if not any(update.id.original == scene for update in depsgraph.updates):
+        return False
+    sessions = filter(None, map(session_at, targets))
+    return any(session.scene_name == scene.name and not session.has_settings(scene) for session in sessions)
+
+
+def delay_of(targets: list[bpy.types.Object]) -> float:
+    """Seconds that values wait for another edit."""
+    return STROKE_DELAY if any(target.mode == "SCULPT" for target in targets) else EDIT_DELAY
 
 
 def follow_edits() -> float | None:
     """Runs as a timer: gives the seconds until the next call, or None once values have followed."""
     if STATE.edited_at is None:
         return None
-    left = STATE.edited_at + EDIT_DELAY - time.monotonic()
+    delay = delay_of(live_objects())
+    left = STATE.edited_at + delay - time.monotonic()
     if left > 0:
         return left
     playing = any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
     busy = any(session.busy for session in STATE.sessions.values())
-    if STATE.rendering or pausing.is_held() or playing or busy:
-        return EDIT_DELAY
+    if STATE.rendering or playing or busy or ModalJob.running or pausing.is_held() or pausing.is_busy():
+        return delay
     STATE.edited_at = None
     for session in STATE.sessions.values():
         session.edited = session.edited or session.unsure
@@ -395,6 +203,9 @@ def on_undo(*_ignored: object) -> None:
     STATE.object_count = -1
     for session in STATE.sessions.values():
         session.edited = True
+    if STATE.sessions:
+        STATE.edited_at = time.monotonic()
+        start_timer(follow_edits, EDIT_DELAY)
 
 
 HANDLERS = {
@@ -415,29 +226,17 @@ classes = ()
 
 def register() -> None:
     """Adds each handler to Blender, once."""
-    for name, function in HANDLERS.items():
-        hooks = getattr(bpy.app.handlers, name)
-        for hook in [hook for hook in hooks if is_same(hook, function)]:
-            hooks.remove(hook)
-        hooks.append(function)
+    hooks.hang(HANDLERS)
     if look_changed not in looks.LISTENERS:
         looks.LISTENERS.append(look_changed)
 
 
 def unregister() -> None:
     """Removes the handlers, and frees what they kept."""
-    for name, function in HANDLERS.items():
-        hooks = getattr(bpy.app.handlers, name)
-        if function in hooks:
-            hooks.remove(function)
+    hooks.take_down(HANDLERS)
     if look_changed in looks.LISTENERS:
         looks.LISTENERS.remove(look_changed)
     for function in (follow_edits, collect):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
     forget_all()
-
-
-def is_same(hook: object, function: object) -> bool:
-    """Whether this is our handler, even from an earlier import of the add-on."""
-    return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)

@@ -10,36 +10,40 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..bridge import MeshArrays, Options, ProgressFunction
-from ..core import color_maps
+from ..bake import sculpt_mask
+from ..bridge import MeshArrays, Options, ParadescError, ProgressFunction
+from ..core import color_maps, fitting, job
 from ..core.color_maps import Look, ValueRange
-from ..core.job import Results, Settings, needs_uvs, registry_row
+from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
-from ..files.frame_baking import at_fixed_radii
-from ..scene import mesh_io, record, source_meshes, surface_maps
+from ..files.frame_baking import with_fixed_radii
+from ..scene import delivery, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
-from ..settings.snapshot import identity
-from . import painting
+from . import painting, surfaces
 
-# In these modes Blender works on a copy of the mesh, or keeps tables of its own, so results wait until the mode ends.
-WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
-# Modifiers that only append vertices: the original ones come first, in their order (tested).
-APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
+# Somebody sculpts on meshes of so many triangles with a radius of many edges, and has to wait for fitted normals.
+FINE = 100_000
+# The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from: machines
+# of a farm begin at other frames than the window did.
+RADII = "live_radii"
 
 
 @dataclass(frozen=True, eq=False)
 class LiveRequest:
     """What one computation needs."""
 
-    arrays: MeshArrays  # of the undeformed mesh
+    arrays: MeshArrays  # of the undeformed mesh, or as modifiers made it at first
+    vertices: np.ndarray | None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
+    kept: dict[str, object]  # what RADII keeps; {}: radii follow from the arrays
     positions: np.ndarray  # (vertex_count, 3) float32
     corner_normals: np.ndarray | None  # (corner_count, 3) float32, where they are asked for
     settings: Settings
     quick: bool  # with buffers as small as the radius allows
+    chosen: tuple[object, ...]  # as chosen() gives it
 
     def same(self, other: "LiveRequest | None") -> bool:
         """Whether the results would be the same."""
@@ -58,7 +62,11 @@ class Session:
         self.stream: Stream | None = None  # while a thread computes, this and prepared belong to it
         self.prepared: LiveRequest | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
-        self.arrays: MeshArrays | None = None  # of the undeformed mesh
+        self.arrays: MeshArrays | None = None  # as LiveRequest has them
+        self.vertices: np.ndarray | None = None
+        self.kept: dict[str, object] = {}
+        self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
+        self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
         self.done: LiveRequest | None = None  # what the results are of
         self.results: Results | None = None
         self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
@@ -99,7 +107,7 @@ class Session:
         """
         start = time.perf_counter()
         rendering = depsgraph.mode == "RENDER"
-        evaluated = evaluated_object(target, depsgraph)
+        evaluated = surfaces.evaluated_object(target, depsgraph)
         if evaluated is None:
             return False
         request = self.request(target, evaluated, scene, rendering)
@@ -120,7 +128,7 @@ class Session:
         taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
         if not taken:
             return False
-        if scene is None or target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
+        if scene is None or surfaces.waiting_sentence(target) or len(target.data.vertices) != len(self.results.coverage):
             self.unpainted = True
             return False
         self.wrote = self.show(target, scene, None, True)
@@ -138,6 +146,14 @@ class Session:
         self.results, self.done = outcome.result, outcome.request
         return True
 
+    def has_settings(self, scene: bpy.types.Scene) -> bool:
+        """Whether the newest values, or those that are computed, are by the scene's present settings."""
+        asked = self.latest.newest or self.done
+        try:
+            return asked is None or asked.chosen == chosen(scene, rendering=False)
+        except ParadescError:  # which is said where they are applied
+            return False
+
     def show(
         self, target: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None, fresh: bool
     ) -> bool:
@@ -145,8 +161,9 @@ class Session:
         start = time.perf_counter()
         look = looks.scene_look(scene)
         self.results.look = look
+        painting.follow_bake(scene.paradesc_live, look, target.data, self.asked_names())
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
-        changed = self.painter.paint(target.data, self.values(), ranges, fresh or self.unpainted)
+        changed = painting.paint(self.painter, target, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
         if changed:
             painting.tag_written(target, depsgraph)
@@ -160,28 +177,44 @@ class Session:
     ) -> LiveRequest:
         """What has to be computed of the object now."""
         settings = settings_for(scene, rendering)
-        self.follow_mesh(target, settings)
-        positions = deformed_positions(target, evaluated, rendering)
-        normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
-        return LiveRequest(self.arrays, positions, normals, settings, is_quick(scene, rendering))
+        with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
+            positions, normals = surface.positions, surface.normals(settings)
+            arrays = self.follow_mesh(target, surface, settings)
+        if arrays is not None:
+            self.take_mesh(target, arrays, rendering if surface.generated else None)
+        if target.mode == "SCULPT":
+            settings = sculpt_mask.quick(settings, len(self.arrays.triangle_corners), FINE)
+        known = (self.arrays, self.vertices, self.kept)
+        return LiveRequest(*known, positions, normals, settings, is_quick(scene, rendering), chosen(scene, rendering))
 
-    def follow_mesh(self, target: bpy.types.Object, settings: Settings) -> None:
-        """Begins again if anything but positions has changed. After edits it compares all, otherwise only counts."""
-        topology = topology_of(target, settings)
-        known = self.arrays is not None and topology == self.topology
-        if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
-            return
+    def follow_mesh(
+        self, target: bpy.types.Object, surface: surfaces.Surface, settings: Settings
+    ) -> MeshArrays | None:
+        """Reads the mesh again if anything but positions may have changed: after edits, otherwise by counts alone."""
+        topology = surfaces.topology_of(target, surface, settings, measures_maps(target))
+        known = self.arrays is not None and topology == self.topology and surface.has_corners_of(self.arrays)
+        settled = not self.edited or target.mode == "SCULPT"
+        if known and settled and (self.results is None or self.painter.is_there(target.data)):
+            return None
         mesh_io.check_writable(target)
-        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs(settings))
+        arrays = surface.read(target, settings)
         surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
         self.edited = self.unsure = False
         if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
             self.close()
-        elif self.arrays is not None and np.array_equal(arrays.positions, self.arrays.positions):
-            return
-        self.topology, self.arrays = topology, arrays  # and the radius follows the new rest pose
+        elif self.arrays is not None and np.array_equal(mesh_io.read_positions(target.data), self.rest):
+            return None
+        self.topology = topology
+        return arrays
+
+    def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
+        """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
+        self.vertices = None if rendering is None else surfaces.places_of(target, arrays, rendering)
+        begins = self.arrays is None and rendering is not None
+        self.kept = record.read(target.data).get(RADII, {}) if begins else {}
+        self.arrays, self.rest = arrays, mesh_io.read_positions(target.data)
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
         """Computes at the radius of the undeformed mesh, which does not change with the pose. Runs on any thread."""
@@ -195,7 +228,7 @@ class Session:
         if new:
             self.prepared = None
             self.stream.settings = settings
-            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(request.arrays).report())
+            self.stream.settings = self.with_radii(request)
         results = self.stream.compute(request.positions, progress, request.corner_normals)
         if new and request.quick:
             options = with_fewer_texels(self.stream.settings.options, results.field_report["radius_in_texels"])
@@ -203,8 +236,28 @@ class Session:
                 self.stream.settings = replace(self.stream.settings, options=options)
                 results = self.stream.compute(request.positions, progress, request.corner_normals)
         self.prepared = request
+        if request.vertices is not None:
+            results = delivery.on_original(results, source_meshes.Reading(request.arrays, "", request.vertices))
         self.compute_seconds = time.perf_counter() - start
         return results
+
+    def with_radii(self, request: LiveRequest) -> Settings:
+        """The settings with radii that no pose changes: those that are kept, else those of a bake of the arrays."""
+        asked, options = request.settings, request.settings.options
+        words = repr((asked.radius_fit, options.radius_unit, options.radius, asked.more_radii, asked.descriptors))
+        radii = request.kept.get("radii") if request.kept.get("asked") == words else None
+        if isinstance(radii, list) and len(radii) == 1 + len(asked.more_radii):
+            own = replace(options, radius=radii[0], radius_unit="absolute")
+            found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=fitting.FITTED)
+        else:
+            found = with_fixed_radii(self.stream, request.arrays, asked)
+        self.radii = {"asked": words, "radii": [float(radius) for radius in (found.options.radius, *found.more_radii)]}
+        return found
+
+    def reveal(self, target: bpy.types.Object) -> None:
+        """Makes the colors of the values the active ones of the mesh."""
+        if self.results is not None:
+            self.painter.reveal(target.data, self.values())
 
     def forget_ranges(self) -> None:
         """Does nothing, because a session keeps no ranges."""
@@ -216,9 +269,9 @@ class Session:
     def found_range(self, name: str, look: Look) -> ValueRange:
         """The range of one descriptor in these results."""
         results, computed = self.results, self.computed_names()[name]
-        return color_maps.value_range(
-            results.values[computed], registry_row(computed), results.radius_of(computed), look
-        )
+        row, radius = registry_row(computed), results.radius_of(computed)
+        areas = None if look.fixed(row) else results.areas
+        return color_maps.value_range(results.values[computed], row, radius, look, areas)
 
     def asked_names(self) -> list[str]:
         """The name of each value, after the radius that was asked for."""
@@ -234,7 +287,7 @@ class Session:
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
             results.extras,
-            record.facts_of(results),
+            {**record.facts_of(results), **({} if self.vertices is None else {RADII: self.radii})},
             lambda name, shown: record.drawing_of(shown, results, names[name]),
         )
 
@@ -259,6 +312,11 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     return replace(settings, options=options)
 
 
+def chosen(scene: bpy.types.Scene, rendering: bool) -> tuple[object, ...]:
+    """All that a scene says of what is computed."""
+    return (settings_for(scene, rendering), surfaces.source_of(scene))
+
+
 def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
     """Whether live mode's own, quicker settings apply."""
     return not (rendering and scene.paradesc_live.full_render)
@@ -280,46 +338,6 @@ def device_of(settings: Settings) -> tuple[str, int, int]:
 def measures_maps(target: bpy.types.Object) -> bool:
     """Whether any scene of the object measures its material's maps."""
     return any(scene.paradesc.material_maps for scene in target.users_scene)
-
-
-# ---- The mesh
-
-
-def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, ...]:
-    """A summary that changes with most changes of a mesh except its positions, and is quick enough for every frame."""
-    mesh = target.data
-    layer = mesh.uv_layers.active
-    counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
-    maps, layer_name = measures_maps(target), "" if layer is None else layer.name
-    return (identity(mesh), *counts, layer_name, settings.options.normals, needs_uvs(settings), maps)
-
-
-def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
-    """The object as the depsgraph has it; None if it is not there, or if its mesh is being edited."""
-    if target.mode in WAITING_MODES:
-        return None
-    evaluated = target.evaluated_get(depsgraph)
-    return evaluated if evaluated.is_evaluated and evaluated.type == "MESH" else None
-
-
-def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> np.ndarray:
-    """(vertex_count, 3) float32 of the original vertices in object space after all modifiers."""
-    count, found = len(target.data.vertices), len(evaluated.data.vertices)
-    if not keeps_vertices(target, rendering, count, found):
-        raise refuse(
-            f'The modifiers of "{target.name}" make {found:,} vertices of {count:,}, among which live values do not '
-            "find the original ones; switch those off that take vertices away, or bake frames and play them."
-        )
-    return mesh_io.read_positions(evaluated.data)[:count]
-
-
-def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found: int) -> bool:
-    """Whether the modifiers in use keep the original vertices, and keep them first."""
-    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
-    if any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in used):
-        return False  # it may well make as many as it cuts away
-    changing = [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]
-    return count == found or (found > count and all(item.type in APPENDING for item in changing))
 
 
 def unbaked_simulation(target: bpy.types.Object) -> str:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers, painting
+from . import handlers, painting, sessions
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -24,12 +24,12 @@ def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) ->
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Brings all live objects up to date with the settings."""
-    handlers.refresh_window(handlers.live_objects(), watched=True)
+    sessions.refresh_window(sessions.live_objects(), watched=True)
 
 
 def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Does the same after somebody has set a range, which then stays."""
-    if not handlers.is_ours():
+    if not sessions.is_ours():
         group.typed = True
         settings_changed(group, context)
 

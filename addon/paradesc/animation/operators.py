@@ -7,7 +7,7 @@ from ..bake.modal import ModalJob
 from ..bake.pieces import failures, report_all
 from ..scene import targets
 from ..settings import translation
-from . import handlers
+from . import sessions
 from .cache_places import cache_root, wanted_frames
 from .frame_batch import FrameBatch
 
@@ -51,7 +51,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         for sentence in sentences:
             self.report({"WARNING"}, sentence)
         batch.hold_ranges()
-        handlers.refresh_window(handlers.live_objects())
+        sessions.refresh_window(sessions.live_objects())
         self.report({"INFO"}, frames_sentence(batch))
         return {"FINISHED"}
 
@@ -78,14 +78,14 @@ class PARADESC_OT_live_range(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Says why it cannot run where it cannot."""
-        sentence = "" if handlers.live_objects() else "Switch an object to Live first"
+        sentence = "" if sessions.live_objects() else "Switch an object to Live first"
         if sentence:
             cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Takes the ranges anew from what is there."""
-        handlers.take_ranges(context.scene)
+        sessions.take_ranges(context.scene)
         return {"FINISHED"}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import arrays, mesh_io, ownership, record
+from ..scene import arrays, carrying, mesh_io, modes, ownership, record
 from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
@@ -40,20 +40,35 @@ class Painter:
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
-        complete = self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
+        complete = self.is_complete(mesh, values)
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
-            self.at = mesh_io.places(mesh, values.shown, values.extras)
+            others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
             mesh_io.make_attributes(mesh, values.names(self.at))
             self.tables = {name: color_table(shown) for name, shown in ranges.items()}
             self.ranges = ranges
             leave_record(mesh, values, ranges, self.at)
+            if others and others != self.at:  # another mask was chosen
+                self.reveal(mesh, values)
         ownership.forget(mesh, values.names(self.at))
+        carrying.release(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)
         return True
+
+    def is_complete(self, mesh: bpy.types.Mesh, values: Values) -> bool:
+        """Whether the mesh has an attribute for each of the values."""
+        return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
+
+    def reveal(self, mesh: bpy.types.Mesh, values: Values) -> None:
+        """Makes colors that were written the active ones, unless others of them are: those that tell most."""
+        active = mesh.color_attributes.active_color
+        colors = {f"{self.at[name]}_color" for name in self.ranges}
+        if colors and (active is None or active.name not in colors):
+            seen = {name: mesh_io.extremes(mesh, values.shown[name], shown) for name, shown in self.ranges.items()}
+            mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the mesh still has all attributes that were written."""
@@ -77,6 +92,16 @@ class Painter:
             yield f"{self.at[name]}_color", colors(array, self.ranges[name], self.tables[name])
         for name, array in values.extras.items():
             yield self.at[name], np.ascontiguousarray(array, np.float32)
+
+
+def paint(
+    painter: Painter, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool
+) -> bool:
+    """Paints the object's mesh. Sculpt mode is left for a moment only where attributes are missing."""
+    if target.mode != "SCULPT" or painter.is_complete(target.data, values):
+        return painter.paint(target.data, values, ranges, fresh)
+    with modes.object_mode(target):
+        return painter.paint(target.data, values, ranges, fresh)
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
@@ -153,6 +178,17 @@ def locked_ranges(
         low, high = stored[name]
         ranges[name] = found(name, replace(look, ranges={"": (low, max(high, above(low)))}))
     return ranges
+
+
+def follow_bake(group: bpy.types.PropertyGroup, look: Look, mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Takes the ranges of a bake that wrote these values since they were live, unless somebody has typed others."""
+    baked = ownership.fingerprints(mesh) if ownership.PROPERTY in mesh and not look.ranges else {}
+    at = {name: record.attribute_of(mesh, name) for name in names} if baked else {}
+    if not baked.keys() & at.values():
+        return
+    stored = record.read(mesh).get("ranges", {})
+    found = {name: stored[place] for name, place in at.items() if place in baked and place in stored}
+    hold_ranges(group, look, {name: ValueRange(low, high, False) for name, (low, high) in found.items()})
 
 
 def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:

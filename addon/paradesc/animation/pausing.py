@@ -1,9 +1,18 @@
-"""Makes live values wait while frames are evaluated for a bake: nobody sees them, and they would be computed twice."""
+"""Makes live values wait: while frames are evaluated for a bake, and while somebody is in the middle of a stroke.
+
+Nobody sees values of frames that are baked, and they would be computed twice.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import bpy
+
 _holds: list[object] = []
+_pressed: list[str] = []
+# Operators that go on changing a mesh until their button is released.
+DRAGGING = ("SCULPT_OT_", "PAINT_OT_", "TRANSFORM_OT_")
+BUTTONS = {"LEFTMOUSE", "RIGHTMOUSE"}
 
 
 def hold() -> object:
@@ -32,3 +41,35 @@ def held() -> Iterator[None]:
         yield
     finally:
         release(mine)
+
+
+# ---- Strokes
+
+
+def is_busy() -> bool:
+    """Whether somebody is in the middle of a stroke, or drags something."""
+    windows = bpy.context.window_manager.windows
+    if "modal_operators" in bpy.types.Window.bl_rna.properties:
+        return any(item.bl_idname.startswith(DRAGGING) for window in windows for item in window.modal_operators)
+    _pressed.clear()
+    for window in windows:
+        with bpy.context.temp_override(window=window):
+            bpy.ops.paradesc.look_at_buttons("INVOKE_DEFAULT")
+    return bool(_pressed)
+
+
+class PARADESC_OT_look_at_buttons(bpy.types.Operator):
+    """Note whether a button of the mouse is held, which Blender before 4.2 tells operators alone"""
+
+    bl_idname = "paradesc.look_at_buttons"
+    bl_label = "Look at Buttons"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Looks at the last button or key of the window."""
+        if event.type in BUTTONS and event.value == "PRESS":
+            _pressed.append(event.type)
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_look_at_buttons,)

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import bpy
 
-from ..core import legend
+from ..core import color_maps, legend
 from ..core.color_maps import AUTOMATIC, Look, ValueRange
 from ..core.corners import ATTRIBUTE
-from ..core.job import UNDEFINED_MASK
+from ..core.job import UNDEFINED_MASK, registry_row
 from ..files import cache
 from ..scene import mesh_io, record
 from ..scene.mesh_io import refuse
 from ..settings import looks
-from . import cache_places, live, painting
+from . import cache_places, live, painting, surfaces
 
 # These values have no colors.
 EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
@@ -50,7 +50,7 @@ class Player:
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
         """Writes the values of the scene's frame to the object's mesh, at once; False if nothing had to change."""
-        if live.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
+        if surfaces.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
             return False
         self.scene_name = scene.name
         start = time.perf_counter()
@@ -61,11 +61,11 @@ class Player:
         fresh = self.read(path, target)
         read = time.perf_counter()
         look = looks.scene_look(scene)
-        wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}))
+        wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}, levels=color_maps.Levels()))
         if wanted != self.ranged:
             self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
-        changed = self.painter.paint(target.data, self.values(), ranges, fresh)
+        changed = painting.paint(self.painter, target, self.values(), ranges, fresh)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -114,6 +114,17 @@ class Player:
         self.seconds = self.session.seconds
         return changed
 
+    def has_settings(self, _scene: bpy.types.Scene) -> bool:
+        """True, because frames keep the settings by which they were baked."""
+        return True
+
+    def reveal(self, target: bpy.types.Object) -> None:
+        """Makes the colors of the values the active ones of the mesh."""
+        if self.frame is not None and self.shown is not None:
+            self.painter.reveal(target.data, self.values())
+        elif self.session is not None:
+            self.session.reveal(target)
+
     def forget_ranges(self) -> None:
         """Makes the ranges over all frames be read again."""
         self.ranged = None
@@ -126,7 +137,8 @@ class Player:
 
     def found_range(self, name: str, look: Look) -> ValueRange:
         """The range of one descriptor over all frames, or the one that the look fixes."""
-        shown = replace(self.whole.get(name, ValueRange(0.0, 1.0, False)), map_name=look.color_map)
+        colors = {"map_name": color_maps.map_name(registry_row(name), look), "levels": look.levels}
+        shown = replace(self.whole.get(name, ValueRange(0.0, 1.0, False)), **colors)
         low, high = look.ranges.get("", (shown.minimum, shown.maximum))
         return replace(shown, minimum=low, maximum=high)
 

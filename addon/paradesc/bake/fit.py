@@ -5,7 +5,7 @@ import math
 import bpy
 
 from ..bridge import ParadescError
-from ..core import advice, job, members
+from ..core import advice, fitting, members
 from ..scene import targets
 from ..settings import properties, translation
 
@@ -81,7 +81,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
             self.report({"ERROR"}, error.sentence)
             return {"CANCELLED"}
         group.radius_fit = self.size
-        properties.show_radius(group, job.fitted(properties.job_settings(group), arrays))
+        properties.show_radius(group, fitting.fitted(properties.job_settings(group), arrays))
         shares = {"radius": f"{100 * radius / diagonal:.3g}", "edge": f"{100 * edge / diagonal:.2g}"}
         self.report({"INFO"}, translation.said("Radius {radius} %: the mean edge is {edge} %").format(**shares))
         return {"FINISHED"}

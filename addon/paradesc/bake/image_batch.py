@@ -8,14 +8,16 @@ from pathlib import Path
 
 import bpy
 
-from ..bridge import MeshArrays
 from ..core import job, transfer
 from ..core.threads import Worker
 from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
-from ..scene import image_places, images, mesh_io, pairs, surface_maps, targets
+from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
+
+# What a warning of the native library has that tells of another layout than the UV map.
+LAID_OUT = "laid out afresh"
 
 
 @dataclass
@@ -24,14 +26,33 @@ class TextureBake(Piece):
 
     highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
+    computed: image_files.Computed | None = None  # until all meshes are, if they share a range
     textures: image_files.Textures | None = None
+    over: uv_maps.Over | None = None  # the UV map that they lie over
+    begun: float = 0.0  # when it was read
+    seconds: float = 0.0  # how long that and the computation lasted
+    told: list[str] = field(default_factory=list)  # the notes that the panel shows
+    images: list[bpy.types.Image] = field(default_factory=list)  # what was made, once it is kept
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
 
     def drop(self) -> None:
         """Forgets the textures."""
-        self.textures = None
+        self.textures = self.computed = None
+
+    def result(self, size: int) -> image_results.ImageBake:
+        """What the mesh keeps of it, once its images are there."""
+        transfer = self.textures.results.transfer
+        return image_results.ImageBake(
+            names=[image.name for image in self.images],
+            size=size,
+            seconds=self.seconds,
+            uv_map=self.over.name,
+            cage=0.0 if transfer is None else transfer.cage,
+            notes="\n".join(self.told),
+            warnings="\n".join(self.warnings),
+        )
 
 
 class ImageBatch(OneByOne):
@@ -58,6 +79,22 @@ class ImageBatch(OneByOne):
         super().__init__(paired(context) if onto else alone(context))
         for piece in self.pieces:
             piece.stem = file_word(piece.name)
+        # With one scale for several meshes none is drawn before all are computed.
+        self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
+        self.round = 1
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        return (self.round - 1 + super().fraction) / self.rounds
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the current mesh; after the last one of the first round it begins to draw."""
+        super().step(wait)
+        computed = [piece.computed for piece in self.pieces if piece.computed is not None]
+        if self.done and not self.cancelled and self.round < self.rounds and computed:
+            self.choice = replace(self.choice, look=image_files.with_one_scale(self.choice.look, computed))
+            self.round, self.current = self.rounds, 0
 
     @property
     def written(self) -> list[TextureBake]:
@@ -70,25 +107,34 @@ class ImageBatch(OneByOne):
         return time.monotonic() - self.started
 
     def start(self, piece: TextureBake) -> None:
-        """Reads a mesh and starts its worker."""
-        target = piece.target()
+        """Reads a mesh and starts its worker, or draws what was computed of it."""
+        if piece.failure:
+            return
+        if piece.computed is not None:
+            piece.begun = time.monotonic()
+            self.work(partial(image_files.packed, piece.computed, self.choice))
+            return
+        target, piece.begun = piece.target(), time.monotonic()
         if self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
             if fault:
                 raise mesh_io.refuse(fault)
-        check_uv_map(target, self.request.source)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
-        read = targets.read(target, self.settings, own)
-        check_layout(target, read.measured)
-        piece.notes, piece.warnings = read.notes, [] if piece.highs else read.warnings
+        piece.over = uv_maps.read_over(target, self.settings, own)
+        read, piece.told = piece.over.read, [piece.over.note] if piece.over.note else []
+        piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
         if piece.highs:
-            work = self.work_onto(piece, pairs.part_of(target, read))
+            self.work(self.work_onto(piece, pairs.part_of(target, read)))
         else:
-            work = partial(image_files.run, piece.stem, read.measured, self.settings, self.choice)
-        self.worker = Worker(work)
+            run = image_files.run if self.rounds == 1 else image_files.computed
+            self.work(partial(run, piece.stem, read.measured, self.settings, self.choice))
+
+    def work(self, function: Callable[..., object]) -> None:
+        """Starts a worker."""
+        self.worker = Worker(function)
         self.worker.start()
 
-    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., image_files.Textures]:
+    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
         """Reads the detailed meshes of a piece; what they are measured with is its work."""
         highs = []
         for high in map(find, piece.highs):
@@ -96,30 +142,53 @@ class ImageBatch(OneByOne):
             piece.notes += read.notes
             piece.warnings += read.warnings
             highs.append(pairs.part_of(high, read))
-        return partial(image_files.run_onto, piece.stem, low, highs, self.settings, self.choice, self.cage)
+        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
+        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
 
-    def take(self, piece: TextureBake, worker: Worker[image_files.Textures]) -> None:
+    def take(self, piece: TextureBake, worker: Worker[image_files.Computed | image_files.Textures]) -> None:
         """Keeps a worker's textures until all are there."""
-        piece.textures = worker.result()
+        made = worker.result()
+        piece.seconds += time.monotonic() - piece.begun
+        if self.round < self.rounds:
+            piece.computed = made
+            return
+        piece.textures, piece.computed = made, None
         found = piece.textures.results
-        piece.notes += [*found.notes, *found.unused_notes()]
-        piece.warnings = [*found.warnings, *found.facet_notes(), *piece.warnings]
+        # On the processor the map that is measured over limits nothing.
+        harmless = [line for line in found.warnings if LAID_OUT in line and found.backend == "cpu"]
+        piece.notes += [*found.notes, *found.unused_notes(), *harmless]
+        others = [line for line in found.warnings if line not in harmless]
+        piece.warnings = [*others, *found.facet_notes(), *piece.warnings]
 
     def close(self) -> None:
-        """Cancels what is left, and waits for it. Safe to call again."""
+        """Cancels what is left, waits for it, and takes away UV maps that were made for nothing. Safe to call again."""
         self.settle()
+        for piece in self.pieces:
+            if piece.over is not None and piece.over.made and not piece.images:
+                self.attempt(piece, lambda piece: uv_maps.remove(piece.target(), piece.over.name))
+                piece.over = None
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
+        if self.written:
+            properties.show_radius(bpy.context.scene.paradesc, self.written[0].textures.results.settings)
         for piece in self.written:
             self.attempt(piece, self.write)
 
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
         target = piece.target()
-        loaded = [self.kept(piece, name, textures) for name, textures in piece.textures.by_name().items()]
+        made = piece.textures.by_name()
+        piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
         if self.to_material:
-            piece.material = images.add_to_material(target, loaded).name
+            uv_map, repeats = uv_maps.not_rendered(target.data, piece.over.name), piece.over.repeats
+            holds = [textures[0].holds for textures in made.values()]
+            rows = zip(piece.images, holds, strict=True)
+            found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
+            piece.material = image_nodes.add_to_material(target, found).name
+        first = list(made).index(piece.textures.most_telling())
+        piece.images.insert(0, piece.images.pop(first))  # which is shown
+        image_results.keep(target.data, piece.result(self.choice.size))
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
         """Writes the file of a texture, or those of its tiles, and loads them; without a folder it packs them.
@@ -131,7 +200,8 @@ class ImageBatch(OneByOne):
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
             sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: '
-            piece.notes.append(f'{sentence}the texture is "{place}".')
+            piece.told.append(f'{sentence}the texture is "{place}".')
+            piece.notes.append(piece.told[-1])
         names = [replace(texture, name=place).file_name for texture in textures]
         piece.made += names
         if self.folder is None:
@@ -151,20 +221,3 @@ def paired(context: bpy.types.Context) -> list[TextureBake]:
     """One piece for each low-poly object."""
     found = pairs.chosen(context)
     return [TextureBake(key_of(low), [key_of(high) for high in highs]) for low, highs in found.items()]
-
-
-def check_uv_map(target: bpy.types.Object, source: str) -> None:
-    """Refuses a mesh without a UV map before it would be unwrapped for the computation; modifiers may add one."""
-    if source in ("original", "deformed") and len(target.data.uv_layers) == 0:
-        raise mesh_io.refuse(no_map(target, "has no UV map"))
-
-
-def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
-    """Refuses a mesh whose UV map cannot be used."""
-    if arrays.map_fault:
-        raise mesh_io.refuse(no_map(target, arrays.map_fault))
-
-
-def no_map(target: bpy.types.Object, fault: str) -> str:
-    """The sentence about a mesh that no image can lie over."""
-    return f'The mesh "{target.data.name}" {fault}; unwrap it (U in edit mode).'

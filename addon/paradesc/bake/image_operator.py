@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..scene import pairs, targets
+from ..scene import image_preview, pairs, targets
 from ..settings.translation import said
 from .image_batch import ImageBatch
 from .modal import ModalJob
@@ -24,6 +24,9 @@ class ImageJob(ModalJob):
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failed))
             return {"CANCELLED"}
+        for piece in batch.written:
+            made = piece.result(batch.choice.size)
+            image_preview.reveal(piece.target(), made.images[0], made.uv_map, made.cage)
         for sentence in failed:
             self.report({"WARNING"}, sentence)
         self.report({"WARNING" if failed else "INFO"}, image_sentence(batch))

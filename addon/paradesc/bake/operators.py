@@ -4,7 +4,7 @@ import bpy
 
 from ..bridge import ParadescError, abi
 from ..core import devices, legend
-from ..scene import mesh_io, targets, viewports
+from ..scene import mesh_io, modes, targets, viewports
 from ..scene.targets import obstacle
 from ..settings import presets, translation
 from ..settings.looks import COLORS
@@ -14,6 +14,8 @@ from .fit import RadiusOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
+# So many names of skipped objects fit into the line of a bake.
+LISTED = 3
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 LEVELS = ("contrast", "brightness", "invert")
 
@@ -65,6 +67,7 @@ class PARADESC_OT_bake(RadiusOption, LevelsOption, ModalJob, bpy.types.Operator)
         if self.mask != AS_SET[0]:
             presets.choose_mask(group, self.mask)
         self.take_radius(group)
+        self.skipped = [item.name for item in targets.skipped(context)]
         self.take_levels(context.scene.paradesc_looks)
         return Batch(context)
 
@@ -88,7 +91,7 @@ class PARADESC_OT_bake(RadiusOption, LevelsOption, ModalJob, bpy.types.Operator)
             self.report({"WARNING"}, sentence)
         for path in [path for piece in batch.written for path in piece.placed]:
             self.report({"INFO"}, translation.said("Wrote {path}").format(path=path))
-        self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch))
+        self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch) + skipped_clause(self.skipped))
         return {"FINISHED"}
 
 
@@ -116,6 +119,14 @@ def bake_sentence(batch: Batch) -> str:
     lost = ", ".join(f'"{piece.name}"' for piece in batch.failed)
     some = {"count": len(written), "whole": len(batch.pieces), "line": line, "lost": lost}
     return translation.said("{count} of {whole} meshes, {line}; without {lost}").format(**some)
+
+
+def skipped_clause(names: list[str]) -> str:
+    """What a bake left out, at the end of its line; "" if there is nothing."""
+    listed = ", ".join(f'"{name}"' for name in names[:LISTED]) + (", …" if len(names) > LISTED else "")
+    if not names:
+        return ""
+    return translation.said("; {count} skipped, not meshes: {names}").format(count=len(names), names=listed)
 
 
 class PARADESC_OT_make_local(bpy.types.Operator):
@@ -164,6 +175,55 @@ def make_local(target: bpy.types.Object, copies: dict[bpy.types.Mesh, bpy.types.
     return target
 
 
+class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
+    """Convert the selected texts, curves, surfaces and metaballs to meshes, so that they can be baked"""
+
+    bl_idname = "paradesc.convert_to_mesh"
+    bl_label = "Convert to Mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only if one of them is selected."""
+        found = bool(targets.skipped(context))
+        if not found:
+            cls.poll_message_set(translation.tooltip("Select text, curves, surfaces or metaballs in object mode first"))
+        return found
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Converts them in place as Blender does; the selection and the active object stay."""
+        found = targets.skipped(context)
+        reasons = {item: targets.unconvertible(item) for item in found}
+        for sentence in filter(None, reasons.values()):
+            self.report({"WARNING"}, sentence)
+        chosen = [item for item in found if not reasons[item]]
+        if not chosen:
+            return {"CANCELLED"}
+        names = ", ".join(f'"{item.name}"' for item in chosen)
+        convert(context, chosen)
+        self.report({"INFO"}, translation.said("Converted to meshes: {names}").format(names=names))
+        return {"FINISHED"}
+
+
+def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
+    """Converts these objects to meshes; of a family of metaballs one object remains, with all of it."""
+    objects = context.view_layer.objects
+    active, names = objects.active, [item.name for item in chosen]
+    others = [item for item in context.selected_objects if item not in chosen]
+    modes.select_only(objects, chosen)
+    is_other = active is not None and active not in chosen
+    objects.active = chosen[0] if is_other or active is None else active
+    bpy.ops.object.convert(target="MESH")
+    made = list(objects.selected)
+    for item in made:  # a new object stands for metaballs, with a number behind the name that is free by now
+        stem = item.name.rpartition(".")[0]
+        if item.name not in names and stem in names and stem not in bpy.data.objects:
+            item.name = stem
+    modes.select_only(objects, [*made, *others])
+    if is_other:
+        objects.active = active
+
+
 class PARADESC_OT_choose_device(bpy.types.Operator):
     """Compute on this device"""
 
@@ -188,4 +248,4 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (PARADESC_OT_bake, PARADESC_OT_make_local, PARADESC_OT_choose_device)
+classes = (PARADESC_OT_bake, PARADESC_OT_make_local, PARADESC_OT_convert_to_mesh, PARADESC_OT_choose_device)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import job
 from ..core.threads import Worker
-from ..scene import sculpt_masks, targets
+from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties, translation
 from .fit import RadiusOption
 from .modal import ModalJob
@@ -70,9 +70,9 @@ class MaskBatch(OneByOne):
         return [piece for piece in self.pieces if piece.results is not None]
 
 
-def quick(settings: job.Settings, triangles: int) -> job.Settings:
+def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
     """The settings, without what takes time and is not seen on a mesh of so many triangles."""
-    if triangles < FINE or settings.options.normals != "fitted":
+    if triangles < (fine or FINE) or settings.options.normals != "fitted":
         return settings
     return replace(settings, options=replace(settings.options, normals="max"))
 
@@ -124,6 +124,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failures(batch)))
             return {"CANCELLED"}
+        viewports.yield_to_mask(context)
         report_all(self.report, batch, batch.written)
         results = batch.written[0].results
         done = {

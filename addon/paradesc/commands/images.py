@@ -106,7 +106,8 @@ def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple
 
 def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | None) -> dict[str, object]:
     """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
-    made = image_files.encoded(baked, names, baked.results.settings.options.texels, shown=shown)
+    sources = [(baked, name) for name in names]
+    made = image_files.encoded(sources, baked.results.settings.options.texels, shown=shown)
     write_whole(path, made.content, Path.write_bytes)
     described = [
         {"descriptor": name, "minimum": scale.low, "maximum": scale.high}

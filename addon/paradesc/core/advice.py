@@ -12,7 +12,8 @@ RADIUS_IN_EDGES = 2.0
 LARGEST_RADIUS = 0.25
 # A mask sees the smallest detail at a radius of one and a half edges. Of dense meshes it is at half a percent of the diagonal;
 # on coarse ones what bends within more than four percent is most of the surface.
-MASK_RADIUS_IN_EDGES, LEAST_MASK_RADIUS, LARGEST_MASK_RADIUS = 1.5, 0.005, 0.04
+# Images show detail whatever the faces are.
+MASK_RADIUS_IN_EDGES, LEAST_MASK_RADIUS, LARGEST_MASK_RADIUS, LARGEST_IN_IMAGES = 1.5, 0.005, 0.04, 0.015
 # Larger or smaller masks, and openness, which looks at the space around. A radius below the mean edge shows facets.
 SIZES = {"fine": 0.6, "medium": 1.0, "broad": 2.5}
 MASKS = {"cavity": 1.0, "convexity": 1.0, "ambient_openness": 4.0}
@@ -83,7 +84,9 @@ def fitting_radius(mean_edge: float, diagonal: float) -> float:
     return float(f"{min(max(USUAL_RADIUS, RADIUS_IN_EDGES * mean_edge / diagonal), LARGEST_RADIUS):.3g}")
 
 
-def fitted_radius(arrays: bridge.MeshArrays, descriptors: Collection[str], size: str) -> tuple[float, float, float]:
+def fitted_radius(
+    arrays: bridge.MeshArrays, descriptors: Collection[str], size: str, largest: float = LARGEST_MASK_RADIUS
+) -> tuple[float, float, float]:
     """The radius that suits a mesh, what is measured and a size of SIZES; the mean edge; the diagonal: all lengths.
 
     Masks alone have small radii; whatever else is asked for gets the usual one, unless triangles are large.
@@ -98,9 +101,9 @@ def fitted_radius(arrays: bridge.MeshArrays, descriptors: Collection[str], size:
         usual = fitting_radius(edge, diagonal) * diagonal
         return SIZES[size] * usual, edge, diagonal
     own = MASK_RADIUS_IN_EDGES * edge / diagonal
-    share = min(max(own, LEAST_MASK_RADIUS), LARGEST_MASK_RADIUS)
+    share = min(max(own, LEAST_MASK_RADIUS), largest)
     sized = SIZES[size] * max(MASKS[name] for name in descriptors) * share
-    least = min(edge / diagonal, share)
+    least = edge / diagonal if own <= largest else 0.0  # below it, values show faces
     return float(f"{max(sized, least):.3g}") * diagonal, edge, diagonal
 
 

@@ -36,9 +36,11 @@ AUTOMATIC = "auto"
 SEQUENTIAL, DIVERGING, GREY = "viridis", "blue-red", "grey"
 # Artists multiply these with other colors, so they are grey unless another map is asked for.
 MASKS = {"cavity", "convexity", "ambient_openness"}
+# Those of them that are black on a plane.
+EDGES = {"cavity", "convexity"}
 # White in a mask is the 98th percentile of what is not black, or less: this percentage of the surface is brighter than half
 # of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
-NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.02, 98.0, 4.0, 0.1
+NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.02, 98.0, 4.0, 0.05
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,17 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 import re
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from operator import attrgetter
 from typing import Protocol
 
 import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import advice, contexts, mesh_faults
+from . import advice, contexts, fitting, mesh_faults
 from .color_maps import MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -20,8 +23,6 @@ NUMBER = re.compile(r"_\d+$")
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
 
-# What the radius of settings is that has been fitted to a mesh.
-FITTED = "fitted"
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
@@ -40,7 +41,7 @@ class Settings:
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
-    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitted() finds the radius; then "fitted"
+    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitting.py finds the radius; then "fitted"
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
     threads: int = 0  # 0: all cores; neither in as_dict()
 
@@ -105,7 +106,8 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
-    areas: np.ndarray | None = None  # (vertex_count,) float64 of the surface around each vertex, if masks are among them
+    areas_of: Callable[[], np.ndarray] | None = None  # gives areas, if masks are among the values
+    texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
     tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
@@ -123,9 +125,20 @@ class Results:
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
-        own = self.transfer is None
-        values, areas = (self.values[name], self.areas) if own else (self.transfer.measured[name], None)
-        return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
+        at_vertices = self.transfer is None and name not in self.texel_values
+        areas = self.areas if at_vertices else None
+        return value_range(self.telling(name), registry_row(name), self.radius_of(name), self.look, areas)
+
+    def telling(self, name: str) -> np.ndarray:
+        """The values that tell the range: those of texels, of the detailed surfaces, or else at the vertices."""
+        if name in self.texel_values:
+            return self.texel_values[name]
+        return self.values[name] if self.transfer is None else self.transfer.measured[name]
+
+    @property
+    def areas(self) -> np.ndarray | None:
+        """(vertex_count,) float64 of the surface around each vertex: live values seldom need what takes so long."""
+        return None if self.areas_of is None else self.areas_of()
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -168,7 +181,7 @@ class Results:
         """Warns of what the mesh lacks, and if values show facets as the smallest radius is below the mean edge."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
-        if least >= edge or self.settings.radius_fit == FITTED:
+        if least >= edge or self.settings.radius_fit == fitting.FITTED:
             return self.shape_notes
         share = f"{least / edge:.2g}"
         facets = f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."
@@ -236,18 +249,14 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    settings = fitted(settings, arrays)
+    sized = settings.radius_fit
+    settings = fitting.fitted(settings, arrays)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-        return run_on(context, mesh, arrays, settings, progress, with_buffers)
 
+        def compute(chosen: Settings) -> Results:
+            return run_on(context, mesh, arrays, chosen, progress, with_buffers)
 
-def fitted(settings: Settings, arrays: bridge.MeshArrays) -> Settings:
-    """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
-    if settings.radius_fit not in advice.SIZES:
-        return settings
-    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit)
-    unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
-    return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)
+        return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
@@ -302,7 +311,7 @@ def run_on(
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
-        results.areas = advice.areas_of_vertices(arrays)
+        results.areas_of = partial(advice.areas_of_vertices, arrays)
     add_corners(results, arrays, progress)
     return results
 

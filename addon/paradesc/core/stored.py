@@ -22,6 +22,8 @@ MESH_REPORT = (
 )
 FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
 WORDS = ("backend", "device", "warnings", "notes")
+# What the panel shows of a bake to images, beside the names of the images.
+IMAGE_WORDS, IMAGE_NUMBERS = ("uv_map", "notes", "warnings"), ("size", "seconds", "cage")
 
 
 def checked(content: object) -> dict[str, object]:
@@ -33,6 +35,8 @@ def checked(content: object) -> dict[str, object]:
     found.update({word: value if isinstance(value := content.get(word), str) else "" for word in WORDS})
     found["layout"] = texts(content.get("layout"))
     found["settings"] = as_dict(content.get("settings"))
+    made = image_bake(found.pop("image_bake", None))
+    found.update({"image_bake": made} if made else {})
     reports = {"mesh_report": MESH_REPORT, "field_report": FIELD_REPORT}
     if not all(is_report(content.get(name), members) for name, members in reports.items()):
         for name in reports:
@@ -60,6 +64,16 @@ def is_report(value: object, members: tuple[str, ...]) -> bool:
     if not isinstance(value, dict) or not all(name in value for name in members):
         return False
     return all(is_number(number) for number in value.values())
+
+
+def image_bake(value: object) -> dict[str, object]:
+    """What a bake to images left, or nothing if any of it is missing."""
+    row = as_dict(value)
+    names = row.get("names")
+    sound = isinstance(names, list) and all(isinstance(name, str) for name in names)
+    sound = sound and all(isinstance(row.get(name), str) for name in IMAGE_WORDS)
+    sound = sound and all(is_number(row.get(name)) for name in IMAGE_NUMBERS)
+    return {name: row[name] for name in ("names", *IMAGE_WORDS, *IMAGE_NUMBERS)} if sound else {}
 
 
 def ranges(value: object) -> dict[str, list[float]]:

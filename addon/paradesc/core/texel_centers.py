@@ -6,11 +6,12 @@ centers must never see one of another chart. Never imports bpy.
 """
 
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from . import advice, job, packing, udim
+from . import advice, color_maps, fitting, job, packing, udim
 
 # Centers that the radius spans at least, on all but a share of the surface: the pixels of a figure with fine detail are
 # then within 0.1 % of white of those of evaluating each texel, in the mean.
@@ -20,6 +21,8 @@ SHARE_BELOW = 0.05
 # reads lies up to 1.42 off a chart, and one that belongs to another chart up to 0.71 off that.
 LEAST_SIDE = 512
 GUTTER = 2.5 / LEAST_SIDE
+# The side of an image that tells how bright a mask is.
+SMALL_SIDE = 96
 # Each texel is evaluated unless centers are so much fewer.
 WORTH_SHARE = 0.7
 # Vertices have this share of the progress.
@@ -46,6 +49,21 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
     return joined(results, of_texels)
 
 
+def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunction | None = None) -> job.Settings:
+    """The settings with a radius that suits the surface in an image, if they ask for one, by a small image of it."""
+    narrow = settings.radius_fit in fitting.NARROWED and color_maps.EDGES & set(settings.descriptors)
+    settings = fitting.fitted(settings, arrays, advice.LARGEST_IN_IMAGES)
+    if not narrow or job.backend_for(settings) == "reference":
+        return settings
+    with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
+
+        def compute(chosen: job.Settings) -> job.Results:
+            return job.run_on(context, mesh, arrays, with_texels(chosen, SMALL_SIDE), progress)
+
+        small = fitting.narrowed(settings, compute, attrgetter("maps"))
+    return replace(settings, options=replace(settings.options, radius=small.settings.options.radius))
+
+
 def joined(results: job.Results, of_texels: job.Results) -> job.Results:
     """The results at vertices with the maps of those at texels, and what the reports say of both."""
     one, other = results.field_report, of_texels.field_report
@@ -55,6 +73,7 @@ def joined(results: job.Results, of_texels: job.Results) -> job.Results:
         results,
         settings=of_texels.settings,
         maps=of_texels.maps,
+        texel_values={name: of_texels.maps[name].ravel() for name in color_maps.MASKS & of_texels.maps.keys()},
         layout=of_texels.layout,
         unwrapped=of_texels.unwrapped,
         field_report={**other, **seconds, "undefined_vertices": one["undefined_vertices"]},

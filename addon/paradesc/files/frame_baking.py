@@ -6,12 +6,13 @@ imports bpy.
 
 import time
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Protocol
 
 from .. import __version__
 from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
-from ..core import job
+from ..core import color_maps, fitting, job
 from ..core.digests import digest
 from ..core.stream import Stream
 from . import cache
@@ -101,7 +102,7 @@ class Baker:
         self.base = self.read_base(self.needs_uvs)
         self.stream = Stream(self.base, settings)
         try:
-            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
+            self.stream.settings = with_fixed_radii(self.stream, self.base, settings)
             self.method = METHODS[self.stream.backend]
         except BaseException:
             self.stream.close()
@@ -216,6 +217,19 @@ def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> jo
     unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
     options = replace(settings.options, radius=settings.options.radius * unit, radius_unit="absolute")
     return replace(settings, options=options, more_radii=tuple(radius * unit for radius in settings.more_radii))
+
+
+def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings) -> job.Settings:
+    """The same with the radii that a bake of these arrays has, which may fit them to the mesh."""
+    found = at_fixed_radii(fitting.fitted(settings, arrays), stream.mesh_at(arrays).report())
+    if settings.radius_fit not in fitting.NARROWED or not color_maps.EDGES & set(settings.descriptors):
+        return found
+
+    def compute(chosen: job.Settings) -> job.Results:
+        stream.settings = chosen
+        return stream.compute(arrays.positions, corner_normals=arrays.corner_normals)
+
+    return fitting.narrowed(found, compute, attrgetter("values")).settings
 
 
 def at_frame(frame: int, error: ParadescError) -> ParadescError:

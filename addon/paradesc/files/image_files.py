@@ -4,13 +4,16 @@ No bpy. What is made stays in memory until the caller keeps it: an unsaved .blen
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from ..core import job, texel_centers, texel_tiles, transfer, udim
+from ..core import color_maps, fitting, job, texel_centers, texel_tiles, transfer, udim
+from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look
 from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
@@ -34,6 +37,8 @@ COMPUTING = 0.7
 BEGINNING = 0.3
 # Of the work on a texture, drawing has this share; it is packed in the rest.
 DRAWING = 0.8
+# An image of which more than this share is nearly black shows little.
+DARKEST = 0.8
 # Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
 STACKED_SHARE = 1.05
 
@@ -51,6 +56,19 @@ class Choice:
         """The settings with the descriptors that a packed texture holds."""
         return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
 
+    def runs(self, settings: job.Settings, fit: Callable[[job.Settings], job.Settings]) -> list[job.Settings]:
+        """What is computed at once: masks that share a texture have the radius each that fits it and the mesh."""
+        settings = self.settings(settings)
+        if not self.packed:
+            return [fit(settings)]
+        alone = [fit(replace(settings, descriptors=(name,))) for name in settings.descriptors]
+        together: dict[float, job.Settings] = {}
+        for one in alone:
+            radius = one.options.radius
+            names = together[radius].descriptors if radius in together else ()
+            together[radius] = replace(one, descriptors=(*names, *one.descriptors))
+        return list(together.values())
+
 
 @dataclass(frozen=True)
 class Texture:
@@ -59,6 +77,8 @@ class Texture:
     name: str  # without suffix
     content: bytes
     tile: int | None = None  # if it is one of a tiled image
+    holds: tuple[str, ...] = ()  # the values in its channels
+    dark: float = 0.0  # the share of the surface that is nearly black
 
     @property
     def file_name(self) -> str:
@@ -73,6 +93,17 @@ class Encoded:
     content: bytes
     scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
     covered: float  # the share of texels on the surface
+    dark: float  # the share of those that are nearly black in all channels
+
+
+@dataclass
+class Computed:
+    """What the textures of one object are drawn from."""
+
+    stem: str  # with which their names begin
+    found: list[job.Results]  # of each radius
+    arrays: MeshArrays
+    tiling: udim.Tiling
 
 
 @dataclass
@@ -89,6 +120,12 @@ class Textures:
             found.setdefault(texture.name, []).append(texture)
         return found
 
+    def most_telling(self) -> str:
+        """The first of the images, unless it is black nearly everywhere and another is less so."""
+        dark = {name: sum(tile.dark for tile in tiles) / len(tiles) for name, tiles in self.by_name().items()}
+        first = next(iter(dark))
+        return first if dark[first] <= DARKEST else min(dark, key=dark.get)
+
 
 def word_of(name: str) -> str:
     """What follows the object's name in that of a texture: "curvature", or "curvature_r0.02" of several radii."""
@@ -104,12 +141,9 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    settings, tiling = job.fitted(choice.settings(settings), arrays), udim.of_mesh(arrays)
-    exact = settings.options.evaluate == "texel"
-    in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, settings, choice.size, exact)
-    computing, drawing = shares(progress, in_turn)
-    results = texel_tiles.run(arrays, settings, choice.size, tiling.tiles, computing)
-    return packed(stem, results, arrays, choice, drawing, tiling)
+    before = BEGINNING if udim.of_mesh(arrays).tiles else COMPUTING
+    found = computed(stem, arrays, settings, choice, job.span_of(progress, 0.0, before))
+    return packed(found, choice, job.span_of(progress, before, 1.0))
 
 
 def run_onto(
@@ -122,93 +156,163 @@ def run_onto(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
-    tiling = udim.of_mesh(low.arrays)
-    computing, drawing = shares(progress, bool(tiling.tiles))
-    settings = job.fitted(choice.settings(settings), highs[0].arrays)
-    results = transfer.run(low, highs, settings, choice.size, cage, computing, tiling.tiles)
-    return packed(stem, results, low.arrays, choice, drawing, tiling)
+    before = BEGINNING if udim.of_mesh(low.arrays).tiles else COMPUTING
+    found = computed_onto(stem, low, highs, settings, choice, cage, job.span_of(progress, 0.0, before))
+    return packed(found, choice, job.span_of(progress, before, 1.0))
 
 
-def shares(progress: ProgressFunction | None, in_turn: bool) -> tuple[ProgressFunction | None, ProgressFunction | None]:
-    """The progress of what comes before the textures, and of making them; in_turn: tile after tile is computed then."""
-    before = BEGINNING if in_turn else COMPUTING
-    return job.span_of(progress, 0.0, before), job.span_of(progress, before, 1.0)
-
-
-def packed(
+def computed(
     stem: str,
-    results: job.Results,
     arrays: MeshArrays,
+    settings: job.Settings,
     choice: Choice,
-    making: ProgressFunction | None,
-    tiling: udim.Tiling,
-) -> Textures:
+    progress: ProgressFunction | None = None,
+) -> Computed:
+    """Computes what the textures of a mesh are drawn from."""
+    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
+    found = [
+        texel_tiles.run(arrays, one, choice.size, tiling.tiles, job.part_of(progress, number, len(runs)))
+        for number, one in enumerate(runs)
+    ]
+    return Computed(stem, found, arrays, tiling)
+
+
+def computed_onto(
+    stem: str,
+    low: transfer.Part,
+    highs: list[transfer.Part],
+    settings: job.Settings,
+    choice: Choice,
+    cage: float,
+    progress: ProgressFunction | None = None,
+) -> Computed:
+    """Computes what the textures of detailed surfaces over the UV map of a coarse one are drawn from."""
+    tiling = udim.of_mesh(low.arrays)
+    runs = choice.runs(settings, partial(fitting.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
+    found = [
+        transfer.run(low, highs, one, choice.size, cage, job.part_of(progress, number, len(runs)), tiling.tiles)
+        for number, one in enumerate(runs)
+    ]
+    return Computed(stem, found, low.arrays, tiling)
+
+
+def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = None) -> Textures:
     """Draws and packs the textures of what was computed, tile after tile."""
-    results.look = choice.look
-    names = list(results.values)
-    groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
+    found, tiling = made_of.found, made_of.tiling
+    for results in found:
+        results.look = choice.look
+    names = [name for results in found for name in results.values]
+    in_order = sorted(names, key=PACKED.index) if choice.packed else names
+    groups = {PACKED_WORD: in_order} if choice.packed else {word_of(name): [name] for name in names}
     made: dict[str, list[Texture]] = {word: [] for word in groups}
     covered, tiles = 0.0, tiling.tiles or (None,)
     for number, tile in enumerate(tiles):
         of_tile = job.part_of(making, number, len(tiles))
-        share = 0.0 if results.tiles is None else COMPUTING
-        baked = Baked(stem, results.of_tile(tile, job.span_of(of_tile, 0.0, share)), arrays, np.eye(4))
-        found, least = textures_of(baked, groups, choice, tile, job.span_of(of_tile, share, 1.0))
+        share = 0.0 if found[0].tiles is None else COMPUTING
+        bakes = bakes_of(made_of, tile, job.span_of(of_tile, 0.0, share))
+        textures, least = textures_of(bakes, groups, choice, tile, job.span_of(of_tile, share, 1.0))
         covered += least
-        for word, texture in zip(groups, found, strict=True):
+        for word, texture in zip(groups, textures, strict=True):
             made[word].append(texture)
-    results.finish_tiles()
-    results.tiles = None  # with the mesh that they would be evaluated on
+    for results in found:
+        results.finish_tiles()
+        results.tiles = None  # with the mesh that they would be evaluated on
+    results = joined(found)
     results.notes += tiling.notes
     results.warnings += tiling.warnings
-    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
+    if texel_centers.uv_area(made_of.arrays) > STACKED_SHARE * covered:
         results.warnings.append(maps.STACKED)
     return Textures(results, [texture for row in made.values() for texture in row])
 
 
+def with_one_scale(look: Look, baked: list[Computed]) -> Look:
+    """The look with the ranges that all of these together have."""
+    every: dict[str, list[job.Results]] = {}
+    for results in (results for one in baked for results in one.found):
+        for name in results.values:
+            if results.values[name].ndim == 1:
+                every.setdefault(name, []).append(results)
+    return color_maps.with_one_scale(
+        look,
+        [
+            (job.registry_row(name), found[0].radius_of(name), [results.telling(name) for results in found])
+            for name, found in every.items()
+        ],
+    )
+
+
+def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:
+    """What each descriptor is drawn from in a tile."""
+    bakes = {}
+    for number, results in enumerate(made_of.found):
+        own = results.of_tile(tile, job.part_of(progress, number, len(made_of.found)))
+        baked = Baked(made_of.stem, own, made_of.arrays, np.eye(4))
+        bakes.update(dict.fromkeys(results.values, baked))
+    return bakes
+
+
+def joined(found: list[job.Results]) -> job.Results:
+    """What several computations say together: the first one's reports, and the seconds, notes and warnings of all."""
+    first = found[0]
+    seconds = {
+        name: sum(one.field_report[name] for one in found) for name in first.field_report if name.startswith("seconds_")
+    }
+    return replace(
+        first,
+        field_report={**first.field_report, **seconds},
+        notes=list(dict.fromkeys(note for one in found for note in one.notes)),
+        warnings=list(dict.fromkeys(warning for one in found for warning in one.warnings)),
+    )
+
+
 def textures_of(
-    baked: Baked,
+    bakes: dict[str, Baked],
     groups: dict[str, list[str]],
     choice: Choice,
     tile: int | None,
     drawing: ProgressFunction | None,
 ) -> tuple[list[Texture], float]:
     """The textures of one tile, by the word in their names, and the share of it that is on the surface."""
-    shown = maps.cut_of(baked, tile)
+    any_baked = next(iter(bakes.values()))
+    shown = maps.cut_of(any_baked, tile)
     made, covered = [], math.inf
     for number, (word, group) in enumerate(groups.items()):
         of_one = job.part_of(drawing, number, len(groups))
-        one = encoded(baked, group, choice.size, choice.transparent, of_one, shown)
-        made.append(Texture(f"{baked.object_name}_{word}", one.content, tile))
-        if baked.results.values[group[0]].ndim == 1:  # directions may be missing on the surface
+        channels = [(bakes[name], name) for name in group]
+        one = encoded(channels, choice.size, choice.transparent, of_one, shown)
+        made.append(Texture(f"{any_baked.object_name}_{word}", one.content, tile, tuple(group), one.dark))
+        if bakes[group[0]].results.values[group[0]].ndim == 1:  # directions may be missing on the surface
             covered = one.covered
     return made, covered
 
 
 def encoded(
-    baked: Baked,
-    names: list[str],
+    sources: list[tuple[Baked, str]],
     size: int,
     transparent: bool = False,
     progress: ProgressFunction | None = None,
     shown: udim.Cut | None = None,
 ) -> Encoded:
-    """A 16-bit PNG of one descriptor, or with one in each channel; shown: the tile, if it is one of several."""
-    channels, filled, scales, meanings = [], None, [], []
+    """A 16-bit PNG of one descriptor of a bake, or with one in each channel.
+
+    shown: the tile, if it is one of several.
+    """
+    channels, filled, scales, meanings, dark = [], None, [], [], 1.0
     of_channels = job.span_of(progress, 0.0, DRAWING)
-    for number, name in enumerate(names):
-        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(names)), shown)
+    for number, (baked, name) in enumerate(sources):
+        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(sources)), shown)
         meaning = pixels.scale.meaning(name, baked.unit(name))
         channels.append(pixels.values)
         scales.append(pixels.scale)
-        meanings.append(meaning if len(names) == 1 else f"{CHANNELS[number]}: {meaning}")
+        dark = min(dark, pixels.dark)
+        meanings.append(meaning if len(sources) == 1 else f"{CHANNELS[number]}: {meaning}")
         filled = pixels.filled if filled is None else filled | pixels.filled
     go_on(progress, "write", DRAWING)
-    if transparent and len(names) < len(CHANNELS):
+    if transparent and len(sources) < len(CHANNELS):
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
     content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
-    return Encoded(content, scales, pixels.covered)
+    return Encoded(content, scales, pixels.covered, dark)
 
 
 def drawn(
@@ -221,10 +325,11 @@ def drawn(
     """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
     row, values = job.registry_row(name), baked.results.values[name]
     if values.ndim == 2:
-        scale = mask_image.signed_scale(0.0, 1.0)
+        scale, span = mask_image.signed_scale(0.0, 1.0), None
     else:
-        scale = mask_image.scale_of(baked.shown(name), row.neutral_value)
+        span = baked.shown(name)
+        scale = mask_image.scale_of(span, row.neutral_value)
         neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
         values = np.where(np.isfinite(values), values, np.float32(neutral))
     image = maps.drawn(maps.user_uvs(baked), size, baked, name, values, progress, shown)
-    return mask_image.pixels_of(image, scale)
+    return mask_image.pixels_of(image, scale) if span is None else mask_image.leveled(image, scale, span)

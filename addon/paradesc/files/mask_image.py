@@ -5,16 +5,18 @@ sides of it: engines read such a texture as 2 x - 1. All others go from their mi
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .. import bridge
 from ..core import threads
-from ..core.color_maps import ValueRange
+from ..core.color_maps import Levels, ValueRange
 from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
+# What is nearly black, as a share of white.
+DARK = 0.05
 # A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
 SMALLEST_CLEAN = 128
 LEAST_GUTTER = 8
@@ -31,11 +33,16 @@ class Scale:
     low: float
     high: float
     outside: int  # the pixel where there is no surface
+    levels: Levels = field(default_factory=Levels)  # which have changed the pixels since
 
     def meaning(self, name: str, unit: str) -> str:
         """The same in words, as programs and people find it in the file."""
         formula = f"{name} = {self.low!r} + ({self.high!r} - {self.low!r}) * pixel / {WHOLE}"
-        return formula + (f" [{unit}]" if unit else "")
+        formula += f" [{unit}]" if unit else ""
+        numbers = {"brightness": self.levels.brightness, "contrast": self.levels.contrast}
+        changes = [f"{word} {number:g}" for word, number in numbers.items() if number]
+        changes += ["inversion"] if self.levels.invert else []
+        return formula + (f" before {', '.join(changes)}" if changes else "")
 
 
 @dataclass(frozen=True)
@@ -45,20 +52,43 @@ class Pixels:
     values: np.ndarray  # (N, N, 1 or 3) uint16
     filled: np.ndarray  # (N, N) bool: on the surface or in the gutter
     covered: float  # the share of texels on the surface
+    dark: float  # the share of those that are nearly black
     scale: Scale
 
 
 def scale_of(shown: ValueRange, neutral: float) -> Scale:
     """The scale of a range of colors; neutral: the descriptor's own, NaN if it has none."""
-    if shown.diverging and shown.neutral is not None:
+    if is_signed(shown):
         return signed_scale(shown.neutral, max(shown.maximum - shown.neutral, shown.neutral - shown.minimum))
     share = (neutral - shown.minimum) / (shown.maximum - shown.minimum) if np.isfinite(neutral) else 0.0
     return Scale(shown.minimum, shown.maximum, round(WHOLE * min(max(share, 0.0), 1.0)))
 
 
+def is_signed(shown: ValueRange) -> bool:
+    """Whether a range has its neutral value in the middle of the pixels."""
+    return shown.diverging and shown.neutral is not None
+
+
 def signed_scale(neutral: float, half: float) -> Scale:
     """The scale with neutral at the middle pixel and neutral + half at the last."""
     return Scale(neutral - half * MIDDLE / (WHOLE - MIDDLE), neutral + half, MIDDLE)
+
+
+def leveled(image: np.ndarray, scale: Scale, shown: ValueRange) -> Pixels:
+    """Pixels of (N, N, 1) values whose places in the range the levels have changed, as they change colors."""
+    levels = shown.levels
+    if levels == Levels():
+        return pixels_of(image, scale)
+    signed = is_signed(shown)
+    low = scale.low + (scale.high - scale.low) / WHOLE if signed else scale.low  # the same steps on both sides
+
+    def change(rows: slice) -> None:
+        share = np.clip((image[rows] - np.float32(low)) / np.float32(scale.high - low), 0, 1)
+        image[rows] = low + (scale.high - low) * levels.applied(share, signed)
+
+    in_bands(change, len(image))
+    outside = MIDDLE if signed else round(WHOLE * float(levels.applied(np.array([scale.outside / WHOLE]), False)[0]))
+    return pixels_of(image, replace(scale, outside=outside, levels=levels))
 
 
 def gutter_of(size: int) -> int:
@@ -68,7 +98,8 @@ def gutter_of(size: int) -> int:
 
 def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
     """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
-    covered = sum(in_bands(lambda rows: to_places(image[rows], scale), len(image))) / image[:, :, 0].size
+    counts = np.sum(in_bands(lambda rows: to_places(image[rows], scale), len(image)), axis=0)
+    covered, dark = counts[0] / image[:, :, 0].size, counts[1] / max(counts[0], 1)
     image = filled_around(image, gutter_of(len(image)))
     known = np.empty(image.shape[:2], bool)
     values = np.empty(image.shape, np.uint16)
@@ -81,16 +112,21 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
         values[rows] = rounded
 
     in_bands(finish, len(image))
-    return Pixels(values, known, covered, scale)
+    return Pixels(values, known, float(covered), float(dark), scale)
 
 
-def to_places(part: np.ndarray, scale: Scale) -> int:
-    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there; counts what is there."""
+def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int]:
+    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there.
+
+    Counts the texels where something is, and those of them that are nearly black.
+    """
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
     np.clip(part, 0, WHOLE, out=part)
     part += 1
-    return int(np.count_nonzero(part[:, :, 0] > 0))
+    first = part[:, :, 0]
+    there = np.count_nonzero(first > 0)
+    return there, there - np.count_nonzero(first > 1 + DARK * WHOLE)
 
 
 def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:

@@ -1,26 +1,50 @@
-"""Brings results back to an object: to its own vertices, or to a result object if modifiers lose some of these."""
+"""Brings results back to an object: to its own vertices, and to those that its modifiers make."""
 
 from dataclasses import replace
 
 import bpy
+import mathutils
 import numpy as np
 
-from ..bridge import MeshArrays
+from ..bridge import MeshArrays, ParadescError
 from ..core.job import Results
-from . import mesh_io, ownership, record, source_meshes
-from .arrays import attribute_values, kind_of, set_values
+from . import carrying, mesh_io, modes, ownership, record, source_meshes
+from .arrays import kind_of
 
-RESULT_SUFFIX = "_paradesc"
+COPY_SUFFIX = "_paradesc"
 
 
 def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
-    """Writes the results where they belong; gives sentences about that and about what was replaced."""
-    if reading.own:
-        return mesh_io.write_results(target, on_original(results, reading))
-    holder, notes = result_object(target, reading.arrays)
-    notes += [f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
-    ownership.leave_object(holder)
-    return notes
+    """Writes the results where they belong, or nothing; gives sentences about what stays beside them."""
+    mesh_io.check_writable(target)
+    with modes.object_mode(target):
+        if reading.generated:
+            return deliver_generated(target, results, reading)
+        mesh_io.check_count(target.data, results)
+        extras = mesh_io.extras_on(target.data, results)
+        at = mesh_io.places(target.data, results.values, extras)
+        mesh_io.write_at(target.data, results, at, mesh_io.drawing(target.data, results))
+        carrying.release(target.data, mesh_io.attribute_names(results.values, extras, at))
+    return mesh_io.moved_notes(at)
+
+
+def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+    """Carries the results to what the modifiers make; the object's own vertices get theirs, or the nearest ones."""
+    mesh, by_place = carrier_mesh(target, reading.arrays), reading.vertices is None
+    if by_place:
+        reading = replace(reading, vertices=nearest(target.data, reading.arrays))
+    try:
+        own = on_original(results, reading)
+        mesh_io.check_count(target.data, own)
+        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
+        drawn = mesh_io.drawing(mesh, results)
+        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
+        mesh_io.write_at(target.data, own, at, drawn)
+    except ParadescError:
+        bpy.data.meshes.remove(mesh)
+        raise
+    carrying.carry(target, mesh, by_place)
+    return mesh_io.moved_notes(at) + former_notes(target)
 
 
 def on_original(results: Results, reading: source_meshes.Reading) -> Results:
@@ -39,7 +63,7 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         results,
         values={name: values[at] for name, values in results.values.items()},
         coverage=results.coverage[at],
-        areas=None if results.areas is None else results.areas[at],
+        areas_of=None if results.areas_of is None else lambda: results.areas[at],
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
         seam_error={name: values[at] for name, values in results.seam_error.items()},
@@ -48,66 +72,65 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
     )
 
 
-def result_object(target: bpy.types.Object, arrays: MeshArrays) -> tuple[bpy.types.Object, list[str]]:
-    """The object "<name>_paradesc" with the evaluated mesh; that of an earlier bake gets the new mesh.
-
-    It stays as it is, and another one is made, if somebody has renamed or edited it; a sentence says so.
-    """
-    mesh = evaluated_copy(target, arrays)
-    holder, notes = None, []
-    for item in results_of(target):
-        if ownership.is_object_as_left(item):
-            holder = item
-        else:
-            notes = [f'The object "{item.name}" of an earlier bake was edited since, and stays as it is.']
-    if holder is not None:
-        former = holder.data
-        keep_results(former, mesh)
-        holder.data = mesh
-        if former.users == 0:
-            bpy.data.meshes.remove(former)
-    else:
-        holder = bpy.data.objects.new(target.name + RESULT_SUFFIX, mesh)
-        holder[record.PROPERTY] = target.name
-        for collection in target.users_collection or [bpy.context.scene.collection]:
-            collection.objects.link(holder)
-    record.take_over(target.data, mesh)  # modifiers carry its attributes along
-    mesh.name = holder.name
-    if ownership.is_where_left(holder):
-        holder.matrix_world = target.matrix_world
-    return holder, notes
+def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:
+    """(vertex_count,) int64 vertex of the arrays that is nearest to each of the mesh's own."""
+    tree = mathutils.kdtree.KDTree(len(arrays.positions))
+    for vertex, position in enumerate(arrays.positions.tolist()):
+        tree.insert(position, vertex)
+    tree.balance()
+    return np.array([tree.find(position)[1] for position in mesh_io.read_positions(mesh).tolist()], np.int64)
 
 
-def results_of(target: bpy.types.Object) -> list[bpy.types.Object]:
-    """The result objects that bakes of this object have made; copies and renamed ones are the user's."""
-    usual = target.name + RESULT_SUFFIX
-    marked = [item for item in bpy.data.objects if item.get(record.PROPERTY) == target.name and item.library is None]
-    return [item for item in marked if item.name == ownership.given_name(item, usual)]
+def former_notes(target: bpy.types.Object) -> list[str]:
+    """Says that result objects, which earlier versions made, stay as they are."""
+    found = [item for item in bpy.data.objects if item.get(record.PROPERTY) == target.name and item.library is None]
+    return [
+        f'The object "{item.name}" of an earlier version stays as it is: values are on "{target.name}" itself now.'
+        for item in found
+    ]
 
 
-def evaluated_copy(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Mesh:
-    """A mesh of its own as the modifiers make it."""
+# ---- Evaluated meshes
+
+
+def carrier_mesh(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Mesh:
+    """The mesh that the modifiers make, with nothing but the values that earlier bakes have left on it."""
+    mesh = evaluated_copy(target)
+    if len(mesh.vertices) != len(arrays.positions):
+        bpy.data.meshes.remove(mesh)
+        raise mesh_io.refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
+    former = [name for name in carrying.carried_names(target) if name in target.data.attributes]
+    there = [name for name in former if name in mesh.attributes]
+    carrying.keep_only(mesh, [name for name in there if kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)])
+    if former:
+        record.take_over(carrying.carrier_of(target), mesh)
+    return mesh
+
+
+def evaluated_copy(target: bpy.types.Object) -> bpy.types.Mesh:
+    """A mesh of its own as the modifiers make it, without what we keep on the object's own mesh."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(
         target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
-    if len(mesh.vertices) != len(arrays.positions):
-        bpy.data.meshes.remove(mesh)
-        raise mesh_io.refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
     for name in (record.PROPERTY, ownership.PROPERTY):
         if name in mesh:
-            del mesh[name]  # they are of the object's own mesh
+            del mesh[name]
     return mesh
 
 
-def keep_results(former: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
-    """Brings the results of earlier bakes along to a mesh with the same faces."""
-    if source_meshes.same_vertices(former, mesh):
-        names = record.attributes_of(former)
-        mesh_io.make_attributes(mesh, names)
-        for name in names:
-            if kind_of(mesh.attributes[name]) == kind_of(former.attributes[name]) == mesh_io.wanted_kind(name):
-                set_values(mesh.attributes[name], attribute_values(former.attributes[name]))
-        for name in (record.PROPERTY, ownership.PROPERTY):
-            if name in former:
-                mesh[name] = former[name]
+def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
+    """An object beside this one, with its modifiers applied and every value on the vertices that they make."""
+    mesh = evaluated_copy(target)
+    record.take_over(target.data, mesh)
+    ownership.leave(mesh, record.attributes_of(mesh))
+    active = target.data.color_attributes.active_color
+    if active is not None and active.name in mesh.color_attributes:
+        colors = mesh.color_attributes
+        colors.active_color, colors.render_color_index = colors[active.name], colors.find(active.name)
+    copy = bpy.data.objects.new(target.name + COPY_SUFFIX, mesh)
+    mesh.name = copy.name
+    for collection in target.users_collection:
+        collection.objects.link(copy)
+    copy.matrix_world = target.matrix_world
+    return copy

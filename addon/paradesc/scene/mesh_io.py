@@ -12,6 +12,9 @@ from ..core.job import UNDEFINED_MASK, Results, registry_name
 from . import modes, ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
+# By name: the range of a descriptor's colors, and what a record says of how they are made.
+Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
+
 
 def refuse(sentence: str) -> InputError:
     """The error for a mesh that cannot be read or written."""
@@ -196,28 +199,42 @@ def moved_notes(at: dict[str, str]) -> list[str]:
 def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     """Writes the results to the object's mesh; gives sentences about what had to move. A failure changes nothing."""
     check_writable(target)
-    mesh = target.data
     with modes.object_mode(target):
-        if len(mesh.vertices) != len(results.coverage):
-            raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
-        extras = extras_on(mesh, results)
-        at = places(mesh, results.values, extras)
-        names = attribute_names(results.values, extras, at)
-        make_attributes(mesh, names)
-        layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-        shown = {name: results.shown(name) for name in results.values}
-        seen = {name: extremes(mesh, values, shown[name]) for name, values in results.values.items()}
-        write_values(mesh, results.values, extras, shown, at)
-        show(mesh, at[most_telling(seen)])
-        drawn = {
-            at[name]: record.drawing_of(shown[name], results, name) | automatic(shown[name], results.look) | seen[name]
-            for name in shown
-        }
-        ranges = {at[name]: span for name, span in shown.items()}
-        record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
-        ownership.leave(mesh, names)
-        mesh.update()
+        check_count(target.data, results)
+        at = places(target.data, results.values, extras_on(target.data, results))
+        write_at(target.data, results, at, drawing(target.data, results))
     return moved_notes(at)
+
+
+def drawing(mesh: bpy.types.Mesh, results: Results) -> Drawing:
+    """How the colors of results, which are those of this mesh's vertices, are made, and what a record says of that."""
+    found = {}
+    for name, values in results.values.items():
+        shown = results.shown(name)
+        told = automatic(shown, results.look) | extremes(mesh, values, shown)
+        found[name] = (shown, record.drawing_of(shown, results, name) | told)
+    return found
+
+
+def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
+    """Refuses results of a mesh that has other vertices by now."""
+    if len(mesh.vertices) != len(results.coverage):
+        raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
+
+
+def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: Drawing) -> None:
+    """Writes the results to the attributes that places() gave, with colors as drawing() has them. Not in edit mode."""
+    extras = {name: values for name, values in results.extras.items() if name in at}
+    names = attribute_names(results.values, extras, at)
+    make_attributes(mesh, names)
+    layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
+    write_values(mesh, results.values, extras, {name: shown for name, (shown, _) in drawn.items()}, at)
+    show(mesh, at[most_telling({name: row for name, (_, row) in drawn.items()})])
+    ranges = {at[name]: shown for name, (shown, _) in drawn.items()}
+    told = {at[name]: row for name, (_, row) in drawn.items()}
+    record.write(mesh, record.facts_of(results), ranges, told, names, layout)
+    ownership.leave(mesh, names)
+    mesh.update()
 
 
 def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
@@ -278,7 +295,7 @@ def most_telling(seen: dict[str, dict[str, float]]) -> str:
     first = next(iter(seen))
     if seen[first].get("dark", 0.0) <= DARKEST:
         return first
-    return min((name for name in seen if seen[name]), key=lambda name: seen[name]["dark"])
+    return min((name for name in seen if "dark" in seen[name]), key=lambda name: seen[name]["dark"])
 
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:

@@ -85,49 +85,6 @@ def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: st
     return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
 
 
-# ---- Result objects
-
-
-def leave_object(holder: bpy.types.Object) -> None:
-    """Keeps on a result object what it is called, what its mesh is like, and where it stands."""
-    holder[PROPERTY] = {"name": holder.name, "mesh": shape_of(holder.data), "matrix": matrix_of(holder)}
-
-
-def left_object(holder: bpy.types.Object) -> dict[str, object]:
-    """What leave_object() kept; empty on those of earlier versions."""
-    return record.kept(holder, PROPERTY)
-
-
-def given_name(holder: bpy.types.Object, usual: str) -> str:
-    """The name that it was given; Blender cuts long ones."""
-    return str(left_object(holder).get("name", usual))
-
-
-def is_object_as_left(holder: bpy.types.Object) -> bool:
-    """Whether nobody has edited its mesh, painted on it or given it materials."""
-    return left_object(holder).get("mesh", "") in ("", shape_of(holder.data))
-
-
-def is_where_left(holder: bpy.types.Object) -> bool:
-    """Whether nobody has moved it."""
-    return list(left_object(holder).get("matrix", matrix_of(holder))) == matrix_of(holder)
-
-
-def matrix_of(holder: bpy.types.Object) -> list[float]:
-    """Where it stands."""
-    return [float(value) for row in holder.matrix_basis for value in row]
-
-
-def shape_of(mesh: bpy.types.Mesh) -> str:
-    """A name for all of a mesh that people may edit."""
-    points = arrays.read_array(mesh.vertices, "co", np.float32, 3)
-    slots = arrays.read_array(mesh.polygons, "material_index", np.int32)
-    layers = [arrays.attribute_values(item) for item in mesh.attributes if item.data_type in arrays.MEMBERS]
-    known = [(item.name, item.data_type, item.domain) for item in mesh.attributes]
-    names = repr([*known, *(item and item.name for item in mesh.materials)])
-    return faces_of(mesh) + short(points, slots, np.frombuffer(names.encode(), np.uint8), *layers)
-
-
 # ---- Names
 
 

@@ -67,6 +67,12 @@ def write(
     }
 
 
+def forget(mesh: bpy.types.Mesh, word: str) -> None:
+    """Drops one fact of a computation."""
+    if word in kept(mesh, PROPERTY):
+        del mesh[PROPERTY][word]
+
+
 def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
     """Adds what the record of another mesh says of attributes that this one has, too; its own entries stay."""
     theirs, own = read(source), read(mesh)

@@ -15,6 +15,7 @@ from ..core.standard_streams import quiet
 from ..files import mesh_files
 from ..files.paths import is_file
 from ..files.text_rows import MARK
+from . import carrying
 from .arrays import read_corner_vertices
 from .mesh_io import read_positions, refuse
 
@@ -52,12 +53,13 @@ def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
             with bpy.data.libraries.load(str(whole)) as (there, here):
                 here.objects = list(there.objects)
             for item in set(bpy.data.objects) - before:
-                bpy.context.scene.collection.objects.link(item)
+                if not carrying.is_carrier(item):
+                    bpy.context.scene.collection.objects.link(item)
         else:
             imported(whole, faces)
     bpy.context.view_layer.update()
     added = sorted(set(bpy.data.objects) - before, key=lambda item: item.name)
-    found = [item for item in added if item.type == "MESH"]
+    found = [item for item in added if item.type == "MESH" and not carrying.is_carrier(item)]
     if not found:
         raise refuse(f'There is no mesh object in "{path}".')
     return found

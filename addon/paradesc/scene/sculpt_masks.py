@@ -79,10 +79,17 @@ def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     return read_array(attribute.data, "value", bool)
 
 
-def multires_obstacle(target: bpy.types.Object) -> str:
-    """What can be done where the mask belongs to the levels of Multires, or ""."""
+def sculpts_multires(target: bpy.types.Object) -> bool:
+    """Whether strokes go to the levels of Multires, which add-ons cannot reach."""
     for modifier in target.modifiers:
         levels = modifier.type == "MULTIRES" and modifier.show_viewport and modifier.sculpt_levels > 0
         if levels and not modifier.use_sculpt_base_mesh:
-            return "Add-ons cannot reach the mask of Multires: apply the modifier, or set its Sculpt level to 0"
+            return True
+    return False
+
+
+def multires_obstacle(target: bpy.types.Object) -> str:
+    """What can be done where the mask belongs to the levels of Multires, or ""."""
+    if sculpts_multires(target):
+        return "Add-ons cannot reach the mask of Multires: apply the modifier, or set its Sculpt level to 0"
     return ""

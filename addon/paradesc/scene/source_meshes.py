@@ -1,8 +1,8 @@
 """Reads an object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes.
 
-Results go to the object's own vertices if these are found again. Deforming modifiers keep them. For others, a temporary
-attribute tells: only vertices that come through unmixed still carry it. If vertices are lost, results go to an object
-of their own.
+Deforming modifiers keep the object's own vertices. For others, a temporary attribute tells which of them the evaluated
+mesh has: only vertices that come through unmixed still carry it. Our own modifier, which carries values to that mesh,
+changes nothing that is measured and does not count.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core import source_kinds
 from ..core.source_kinds import NAMES
-from . import mesh_io
+from . import carrying, mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
 from .curves import curves_of
 from .mesh_io import refuse
@@ -38,9 +38,14 @@ class Reading:
 
     arrays: MeshArrays
     source: str
-    vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
-    own: bool = True  # results go to the object's own mesh, else to a result object
+    vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
+    own: bool = True  # every original vertex is among the arrays'
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def generated(self) -> bool:
+        """Whether modifiers made other vertices than the original's."""
+        return self.vertices is not None or not self.own
 
 
 def check_source(source: str) -> None:
@@ -112,13 +117,10 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
 
 def placed(target: bpy.types.Object, arrays: MeshArrays, vertices: np.ndarray) -> Reading:
     """The arrays that the whole stack of modifiers made, and where their results go, by the original vertices."""
-    count, lost = len(target.data.vertices), int((vertices < 0).sum())
-    made = f"The modifiers make {len(arrays.positions):,} vertices of {count:,}"
-    if lost or not count:
-        why = f"{made} and lose {lost:,}: results go to an object of their own."
-        return Reading(arrays, "evaluated", None, own=False, notes=[why])
-    note = f"{made}, the original ones among them: results of these go to the original."
-    return Reading(arrays, "evaluated", vertices, notes=[note])
+    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
+    if not len(vertices) or (vertices < 0).any():
+        return Reading(arrays, "evaluated", None, own=False, notes=notes)
+    return Reading(arrays, "evaluated", vertices, notes=notes)
 
 
 def quoted(names: list[str]) -> str:
@@ -206,7 +208,7 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
 
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
     """The modifiers that count at the moment."""
-    return [modifier for modifier in target.modifiers if modifier.show_viewport]
+    return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
 
 
 def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:

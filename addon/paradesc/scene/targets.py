@@ -47,6 +47,19 @@ def kind_words(target: bpy.types.Object) -> str:
     return target.bl_rna.properties["type"].enum_items[target.type].name
 
 
+def unconvertible(item: bpy.types.Object) -> str:
+    """One sentence about why a text, curve, surface or metaball cannot become a mesh to bake, or ""."""
+    if item.library is not None or item.data.library is not None or item.override_library is not None:
+        return f'The object "{item.name}" is linked from another file; make it local first.'
+    if item.type == "META":
+        return ""  # all of a family is in the mesh of one of them
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    empty = mesh is None or not mesh.polygons
+    evaluated.to_mesh_clear()
+    return f'The object "{item.name}" has no faces: give the curve a bevel or an extrusion first.' if empty else ""
+
+
 def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
     """The objects grouped by the mesh that they share."""
     groups: dict[bpy.types.Mesh, list[bpy.types.Object]] = {}
@@ -65,7 +78,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
     targets = chosen(context)
     if not targets:
-        return "Select a mesh object first"
+        return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
     for target in targets:
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"

@@ -96,8 +96,17 @@ def face_starts(mesh: bpy.types.Mesh) -> np.ndarray:
     return starts
 
 
-def lay_out(arrays: MeshArrays, starts: np.ndarray) -> np.ndarray:
-    """(corner_count, 2) float32 layout of faces whose corners follow each other from starts; 0 for broken faces."""
+def write_uvs(layer: bpy.types.MeshUVLoopLayer, uvs: np.ndarray) -> None:
+    """Fills a UV map with (corner_count, 2) coordinates."""
+    collection, member = (layer.uv, "vector") if hasattr(layer, "uv") else (layer.data, "uv")
+    collection.foreach_set(member, np.ascontiguousarray(uvs, np.float32).ravel())
+
+
+def lay_out(arrays: MeshArrays, starts: np.ndarray, gutter: float = packing.GUTTER) -> np.ndarray:
+    """(corner_count, 2) float32 layout of faces whose corners follow each other from starts; 0 for broken faces.
+
+    gutter: how far charts lie apart, as a share of the square's side.
+    """
     sizes = np.diff(np.append(starts, len(arrays.corner_vertices)))
     if (sizes < 3).any():
         raise failure("its faces are not stored in a row")
@@ -108,7 +117,7 @@ def lay_out(arrays: MeshArrays, starts: np.ndarray) -> np.ndarray:
     uvs = np.zeros((len(corner_vertices), 2), np.float32)
     if not sound.any():
         raise failure("none of its faces is sound")
-    uvs[corners] = unwrapped(positions, corner_vertices[corners], sizes[sound])
+    uvs[corners] = unwrapped(positions, corner_vertices[corners], sizes[sound], gutter)
     reason = fault(uvs, arrays.triangle_corners)
     if reason and has_area(arrays):
         raise failure(f"the copy {reason}")
@@ -156,7 +165,9 @@ def repeating_faces(corner_vertices: np.ndarray, face_of_corner: np.ndarray) -> 
     return repeating
 
 
-def unwrapped(positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def unwrapped(
+    positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray, gutter: float = packing.GUTTER
+) -> np.ndarray:
     """(corner_count, 2) float32 layout by Blender's operators, on a mesh that exists only meanwhile."""
     mesh = bpy.data.meshes.new(TEMPORARY)
     try:
@@ -174,7 +185,7 @@ def unwrapped(positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndar
         bpy.data.meshes.remove(mesh)
     if not np.isfinite(uvs).all():
         raise failure("the copy has a UV map with coordinates that are not finite")
-    return packing.pack(uvs, corner_vertices, sizes)
+    return packing.pack(uvs, corner_vertices, sizes, gutter)
 
 
 def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> None:

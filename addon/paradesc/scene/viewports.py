@@ -1,15 +1,27 @@
-"""Lets the viewports show what a bake painted, and brings back how they looked before."""
+"""Lets the viewports show what a bake painted, in flat light, and brings back how they looked before.
+
+Undo takes a bake's colors away but leaves the viewports as they are, so they follow it here.
+"""
 
 from collections.abc import Iterator
 
 import bpy
+from bpy.app.handlers import persistent
 
-from ..settings import preferences
+from ..settings import hooks, preferences
+from . import image_preview, record
 
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
-# saved file still can bring it back. Earlier versions kept one word for all of them.
+# saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
 FORMER = "paradesc_color_type"
+# Another one, where undo has taken away what the viewports showed, and redo may bring it back.
+UNDONE = "paradesc_undone"
 ATTRIBUTES = "VERTEX"
+# Highlights, shadows and Blender's own cavities would be taken for values.
+PLAIN = {"color_type": ATTRIBUTES, "light": "FLAT", "show_cavity": False, "show_shadows": False}
+# Who sculpts sees the shape by its light.
+LIT = {"color_type": ATTRIBUTES}
+Look = dict[str, str | bool]
 
 
 def shadings(screen: bpy.types.Screen | None) -> Iterator[tuple[str, bpy.types.View3DShading]]:
@@ -19,29 +31,65 @@ def shadings(screen: bpy.types.Screen | None) -> Iterator[tuple[str, bpy.types.V
             yield str(number), area.spaces.active.shading
 
 
-def formers(screen: bpy.types.Screen) -> dict[str, str]:
+def formers(screen: bpy.types.Screen) -> dict[str, Look]:
     """What viewports showed before, by number."""
     kept = screen.get(FORMER, {})
-    return dict.fromkeys((number for number, _ in shadings(screen)), kept) if isinstance(kept, str) else dict(kept)
+    if isinstance(kept, str):
+        kept = dict.fromkeys((number for number, _ in shadings(screen)), kept)
+    return {number: {"color_type": one} if isinstance(one, str) else dict(one) for number, one in kept.items()}
 
 
-def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading) -> None:
+def wanted(context: bpy.types.Context) -> Look:
+    """How a viewport shows attributes, which depends on the mode of the active object."""
+    active = context.active_object
+    return LIT if active is not None and active.mode == "SCULPT" else PLAIN
+
+
+def is_shown(context: bpy.types.Context) -> bool:
+    """Whether the solid viewport of the context shows attributes as they are shown after a bake."""
+    shading, look = context.space_data.shading, wanted(context)
+    return all(getattr(shading, name) == look[name] for name in ("color_type", "light") if name in look)
+
+
+def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading, look: Look = PLAIN) -> None:
     """Lets solid shading show the active color attribute, and keeps in mind what it showed before."""
-    if shading.color_type == ATTRIBUTES:
-        return
     for number, own in shadings(screen):
         if own == shading:
-            screen[FORMER] = {**formers(screen), number: shading.color_type}
-    shading.color_type = ATTRIBUTES
+            give_back(shading, {name: one for name, one in formers(screen).get(number, {}).items() if name not in look})
+            present, known = {name: getattr(shading, name) for name in PLAIN}, formers(screen).get(number, {})
+            kept = {name: known[name] for name in known if present[name] == PLAIN[name]}
+            if kept or any(present[name] != look[name] for name in look):
+                screen[FORMER] = {**formers(screen), number: {**present, **kept}}
+    for name, value in look.items():
+        setattr(shading, name, value)
+
+
+def give_back(shading: bpy.types.View3DShading, former: Look) -> None:
+    """Brings back what a viewport showed before, except what somebody has set since."""
+    for name, value in former.items():
+        if name in PLAIN and getattr(shading, name) == PLAIN[name]:
+            kind = shading.bl_rna.properties[name]
+            if kind.type != "ENUM":
+                setattr(shading, name, bool(value))
+            elif value in {item.identifier for item in kind.enum_items}:
+                setattr(shading, name, value)
 
 
 def reveal(context: bpy.types.Context) -> None:
-    """After a bake: every solid viewport of the window shows the colors, unless the preferences say otherwise."""
+    """Every solid viewport of the window shows the colors, unless the preferences say otherwise.
+
+    One that shows attributes because of an earlier bake keeps the light that somebody has chosen for it since.
+    """
     if bpy.app.background or not preferences.shows_results():
         return
-    for _, shading in shadings(context.screen):
-        if shading.type == "SOLID":
-            show_attributes(context.screen, shading)
+    image_preview.hide()  # which lies over them
+    screen, look = context.screen, wanted(context)
+    for number, shading in shadings(screen):
+        seen = number in formers(screen) and shading.color_type == ATTRIBUTES
+        if shading.type == "SOLID" and (look is LIT or not seen):
+            show_attributes(screen, shading, look)
+    if screen is not None and UNDONE in screen:
+        del screen[UNDONE]
 
 
 def can_restore(context: bpy.types.Context) -> bool:
@@ -54,6 +102,52 @@ def restore(screen: bpy.types.Screen) -> None:
     former = formers(screen)
     del screen[FORMER]
     for number, shading in shadings(screen):
-        known = {item.identifier for item in shading.bl_rna.properties["color_type"].enum_items}
-        if shading.color_type == ATTRIBUTES and former.get(number) in known:
-            shading.color_type = former[number]
+        give_back(shading, former.get(number, {}))
+
+
+def yield_to_mask(context: bpy.types.Context) -> None:
+    """After sculpt mode's mask was written: what it darkens is not seen on the black of a bake, so the eye closes."""
+    if not bpy.app.background and preferences.shows_results() and can_restore(context):
+        restore(context.screen)
+
+
+# ---- Undo
+
+
+def shows_ours(window: bpy.types.Window) -> bool:
+    """Whether any visible mesh of a window has colors of a bake as its active ones."""
+    meshes = {item.data for item in window.view_layer.objects if item.type == "MESH" and item.visible_get()}
+    active = ((mesh, mesh.color_attributes.active_color) for mesh in meshes)
+    return any(color is not None and color.name in record.attributes_of(mesh) for mesh, color in active)
+
+
+@persistent
+def on_undo(*_ignored: object) -> None:
+    """Brings back what viewports showed before the bake that was undone."""
+    for window in bpy.context.window_manager.windows:
+        if FORMER in window.screen and not shows_ours(window):
+            restore(window.screen)
+            window.screen[UNDONE] = True
+
+
+@persistent
+def on_redo(*_ignored: object) -> None:
+    """Lets viewports show the colors again that redo has brought back."""
+    for window in bpy.context.window_manager.windows:
+        if UNDONE in window.screen and shows_ours(window):
+            with bpy.context.temp_override(window=window):
+                reveal(bpy.context)
+
+
+HANDLERS = {"undo_post": on_undo, "redo_post": on_redo}
+classes = ()
+
+
+def register() -> None:
+    """Makes Blender call these after undo and redo."""
+    hooks.hang(HANDLERS)
+
+
+def unregister() -> None:
+    """Ends these calls."""
+    hooks.take_down(HANDLERS)

@@ -20,7 +20,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     )
     frame_source: bpy.props.EnumProperty(
         name="Frame Source",
-        description="Which mesh is measured at each frame",
+        description="Which mesh is measured at each frame, if it is not that of a single bake",
         items=list(SOURCES[1:]),
         default="deformed",
     )

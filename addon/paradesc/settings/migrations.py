@@ -4,6 +4,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..core import source_kinds
+from . import hooks
 from .properties import VERSION
 
 # Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise; those before
@@ -64,15 +65,11 @@ classes = ()
 
 def register() -> None:
     """Adds each handler to Blender; a file that is open already is looked at now."""
-    for name, function in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(function)
+    hooks.hang(HANDLERS)
     if hasattr(bpy.data, "scenes"):  # not while Blender starts
         on_load()
 
 
 def unregister() -> None:
     """Removes the handlers."""
-    for name, function in HANDLERS.items():
-        hooks = getattr(bpy.app.handlers, name)
-        if function in hooks:
-            hooks.remove(function)
+    hooks.take_down(HANDLERS)

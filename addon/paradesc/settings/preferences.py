@@ -28,7 +28,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     show_results: bpy.props.BoolProperty(
         name="Show Results",
-        description="After a bake, solid viewports show its colors; the panel's Restore Shading takes that back",
+        description="After a bake or with Live, solid viewports show its colors in flat light; the eye takes that back",
         default=True,
     )
     presets_folder: bpy.props.StringProperty(

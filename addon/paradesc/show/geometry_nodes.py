@@ -6,8 +6,8 @@ import bpy
 
 from ..core.job import UNDEFINED_MASK
 from ..scene import record
+from ..scene.node_groups import MARK, add_map_range, add_math, add_modifier, add_node, add_socket, new_group
 from . import recolor, tuned
-from .node_groups import MARK, add_map_range, add_math, add_node, add_socket, new_group
 
 TREE = "GeometryNodeTree"
 MATH = "ShaderNodeMath"
@@ -155,13 +155,7 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
         shown = recolor.stored_range(mesh, name)
         mask = record.attribute_of(mesh, UNDEFINED_MASK)
         tree = shared(build(self.kind, name, shown.minimum, shown.maximum, mask))
-        modifier = target.modifiers.new(tree.name, "NODES")
-        if modifier.node_group is not None:  # Blender 3.4 makes one of its own
-            made = modifier.node_group
-            modifier.node_group = tree
-            if made.users == 0:
-                bpy.data.node_groups.remove(made)
-        modifier.node_group = tree
+        add_modifier(target, tree, tree.name)
 
 
 classes = (PARADESC_OT_add_geometry_nodes,)

@@ -3,9 +3,9 @@
 import bpy
 
 from ..scene import mesh_io, record
+from ..scene.node_groups import MARK, add_map_range, add_math, add_mix, add_node, add_socket, found_group, new_group
 from ..settings.translation import said
 from . import recolor, tuned
-from .node_groups import MARK, add_map_range, add_math, add_mix, add_node, add_socket, found_group, new_group
 from .slots import DESCRIPTOR, assign, take_back
 
 CAVITY_GROUP = "Paradesc Cavity"

@@ -10,7 +10,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import arrays, mesh_io, modes, ownership, record, viewports
+from ..scene import arrays, carrying, mesh_io, modes, ownership, record, viewports
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
@@ -85,11 +85,30 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
         look = replace(look, ranges={registry_name(name): tuple(found)})
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
-    drawn = {**record.drawing(shown), **mesh_io.extremes(mesh, values, shown), **{word: drawn[word] for word in KEPT if word in drawn}}
+    drawn = {
+        **record.drawing(shown),
+        **mesh_io.extremes(mesh, values, shown),
+        **{word: drawn[word] for word in KEPT if word in drawn},
+    }
     record.write(mesh, {}, {name: shown}, {name: drawn})
     ownership.leave(mesh, [colors])
     mesh.update()
     return shown
+
+
+def whole_mesh(target: bpy.types.Object, name: str) -> bpy.types.Mesh:
+    """The mesh with all of an object's values: the one that carries them to what its modifiers make, or its own."""
+    carrier = carrying.carrier_of(target)
+    return target.data if carrier is None or f"{name}_color" not in record.attributes_of(carrier) else carrier
+
+
+def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -> None:
+    """Makes a descriptor's colors again on the object's own mesh and on one that carries them, which has the range."""
+    whole = whole_mesh(target, name)
+    shown = recolor(whole, name, look)
+    if whole != target.data:
+        recolor(target.data, name, replace(look, ranges={registry_name(name): (shown.minimum, shown.maximum)}))
+        record.write(target.data, {}, {}, {name: record.read(whole)["drawn"][name]})
 
 
 def obstacle(context: bpy.types.Context) -> str:
@@ -164,7 +183,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         names = baked_names(mesh)
         chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
         for name in chosen:
-            recolor(mesh, name, choices.look_of(group))
+            recolor_object(target, name, choices.look_of(group))
 
 
 def on_look(scene: bpy.types.Scene) -> None:
@@ -172,14 +191,19 @@ def on_look(scene: bpy.types.Scene) -> None:
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
-    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if item.mode != "EDIT"]
-    shown = [(item.data, name) for item in found if (name := shown_name(item.data))]
+    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
+    shown = [(item, name) for item in found if (name := shown_name(item.data))]
     if scene.paradesc_looks.same_scale:
-        look = color_maps.with_one_scale(look, together(shown))
-    for mesh, name in shown:
-        if mesh.library is None:
+        look = color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
+    for item, name in shown:
+        if item.data.library is None:
             with suppress(ParadescError):  # what was painted over stays, as a click on Recolor says
-                recolor(mesh, name, look)
+                recolor_object(item, name, look)
+
+
+def is_still(item: bpy.types.Object) -> bool:
+    """Whether nobody else writes the colors of its mesh now: live values follow by themselves."""
+    return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
@@ -231,7 +255,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):
-    """Set this viewport to solid shading with the colors of attributes"""
+    """Set this viewport to solid shading with the colors of attributes, in flat light"""
 
     bl_idname = "paradesc.view_colors"
     bl_label = "View Colors"
@@ -245,7 +269,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
         """Changes the shading of this viewport alone."""
         shading = context.space_data.shading
         shading.type = "SOLID"
-        viewports.show_attributes(context.screen, shading)
+        viewports.show_attributes(context.screen, shading, viewports.wanted(context))
         return {"FINISHED"}
 
 

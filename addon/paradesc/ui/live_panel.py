@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..animation import handlers, live
+from ..animation import handlers, live, surfaces
 from ..settings import looks
 from ..settings.translation import label
 from .drawing import SettingsPanel, descriptor_words, sentence_lines, setting
@@ -47,8 +47,9 @@ def live_sentence(target: bpy.types.Object) -> str:
     """What the panel has to say about this object, or ""."""
     if target.paradesc_live.sentence:
         return target.paradesc_live.sentence
-    if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
-        return "Values follow when this mode is left."
+    waiting = surfaces.waiting_sentence(target) if target.paradesc_live.mode != "OFF" else ""
+    if waiting:
+        return waiting
     other = handlers.holder_of(target) if target.paradesc_live.mode != "OFF" else None
     if other is not None:
         return handlers.shared_sentence(other)

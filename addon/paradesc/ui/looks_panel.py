@@ -80,6 +80,7 @@ class PARADESC_PT_channels(SettingsPanel, bpy.types.Panel):
         column.operator("paradesc.sculpt_mask", icon="MOD_MASK")
         column.operator("paradesc.corner_colors", icon="VPAINT_HLT")
         column.operator("paradesc.export_copies", icon="EXPORT")
+        column.operator("paradesc.make_result_object", icon="DUPLICATE")
         target = context.active_object
         column = layout.column(align=True)
         for channel in CHANNELS:

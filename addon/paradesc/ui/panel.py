@@ -10,6 +10,7 @@ from ..core import advice, choices, spaces
 from ..scene import mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
+from . import image_result
 from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
@@ -52,6 +53,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         draw_obstacles(context, layout, settings)
         draw_live(context, layout)
         draw_result(context, layout)
+        image_result.draw(context, layout)
         draw_research(context, layout)
 
 
@@ -118,8 +120,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         kinds = ", ".join(dict.fromkeys(label(targets.kind_words(item)) for item in skipped))
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
-        if hasattr(bpy.types, "PARADESC_OT_convert_to_mesh"):
-            layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
+        layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
     uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
     if uneven and settings.space == "object":
         if not stored_report(context.active_object):  # its warnings say so at length

@@ -27,7 +27,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
-        elif context.space_data.shading.color_type != viewports.ATTRIBUTES:
+        elif not viewports.is_shown(context):
             row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
         elif viewports.can_restore(context):
             row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")

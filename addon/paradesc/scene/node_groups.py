@@ -86,3 +86,13 @@ def add_mix(
     for start, end in ((factor, node.inputs[0]), (first, ends[0]), (second, ends[1])):
         tree.links.new(start, end)
     return next(socket for socket in node.outputs if socket.type == "RGBA")
+
+
+def add_modifier(target: bpy.types.Object, tree: bpy.types.NodeTree, name: str) -> bpy.types.NodesModifier:
+    """Adds a modifier with this group of geometry nodes at the end of the stack."""
+    modifier = target.modifiers.new(name, "NODES")
+    made = modifier.node_group  # Blender 3.4 makes one of its own
+    modifier.node_group = tree
+    if made is not None and made.users == 0:
+        bpy.data.node_groups.remove(made)
+    return modifier

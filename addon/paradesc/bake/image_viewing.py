@@ -1,0 +1,136 @@
+"""The buttons below Bake to Image: its texture on the mesh, in an image editor, in its folder, or as a file."""
+
+from pathlib import Path
+
+import bpy
+
+from ..scene import image_preview, image_results
+from ..scene.image_results import ImageBake
+from ..settings.translation import said, tooltip
+
+
+class OfImage:
+    """An operator on an image that a bake has made of the active mesh."""
+
+    name: bpy.props.StringProperty(
+        name="Image", description="Which of the images; none: the first", default="", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Needs one."""
+        there = image_results.found(context.active_object) is not None
+        if not there:
+            cls.poll_message_set(tooltip("Bake this mesh to an image first"))
+        return there
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Finds the image; whoever extends this has run()."""
+        made = image_results.found(context.active_object)
+        image = next((image for image in made.images if image.name == self.name), made.images[0])
+        return self.run(context, made, image)
+
+
+class PARADESC_OT_show_image(OfImage, bpy.types.Operator):
+    """Show the image on the mesh in solid viewports, or end that; your materials stay as they are"""
+
+    bl_idname = "paradesc.show_image"
+    bl_label = "Show on Mesh"
+
+    def run(self, context: bpy.types.Context, made: ImageBake, image: bpy.types.Image) -> set[str]:
+        """Shows it, or hides it where it is shown."""
+        target, shading = context.active_object, getattr(context.space_data, "shading", None)
+        solid = shading is None or shading.type == "SOLID"
+        if image_preview.shown(target) == image.name and solid:
+            image_preview.hide(target)
+            return {"FINISHED"}
+        if not image_preview.can_show(image):
+            self.report({"ERROR"}, said("Viewports show no tiles in this way; add the image to a material"))
+            return {"CANCELLED"}
+        if not solid:
+            shading.type = "SOLID"
+        image_preview.show(target, image, made.uv_map, made.cage)
+        return {"FINISHED"}
+
+
+class PARADESC_OT_open_image(OfImage, bpy.types.Operator):
+    """Show the image in an image editor: one that is open, else a new window"""
+
+    bl_idname = "paradesc.open_image"
+    bl_label = "Open"
+
+    def run(self, context: bpy.types.Context, _made: ImageBake, image: bpy.types.Image) -> set[str]:
+        """Finds the editor, or opens a window with one."""
+        windows = context.window_manager.windows
+        areas = (area for window in windows for area in window.screen.areas)
+        area = next((area for area in areas if area.ui_type == "IMAGE_EDITOR"), None)
+        if area is None:
+            before = set(windows)
+            bpy.ops.wm.window_new()
+            area = next(window for window in windows if window not in before).screen.areas[0]
+            area.ui_type = "IMAGE_EDITOR"
+        area.spaces.active.image = image
+        area.tag_redraw()
+        return {"FINISHED"}
+
+
+class PARADESC_OT_open_image_folder(OfImage, bpy.types.Operator):
+    """Open the folder that the image's file is in"""
+
+    bl_idname = "paradesc.open_image_folder"
+    bl_label = "Folder"
+
+    def run(self, _context: bpy.types.Context, _made: ImageBake, image: bpy.types.Image) -> set[str]:
+        """Hands the folder to the system."""
+        folder = image_results.folder_of(image)
+        if not folder.is_dir():
+            self.report({"ERROR"}, said("There is no folder {folder}").format(folder=folder))
+            return {"CANCELLED"}
+        open_folder(folder)
+        return {"FINISHED"}
+
+
+def open_folder(folder: Path) -> None:
+    """Has the system show a folder."""
+    bpy.ops.wm.path_open(filepath=str(folder))
+
+
+class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
+    """Write the images that are packed into the .blend as PNG files into a folder"""
+
+    bl_idname = "paradesc.save_images"
+    bl_label = "Save"
+
+    directory: bpy.props.StringProperty(
+        name="Folder", description="Where the files go", default="", subtype="DIR_PATH", options={"SKIP_SAVE"}
+    )
+    filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Asks for the folder."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, _context: bpy.types.Context, made: ImageBake, _image: bpy.types.Image) -> set[str]:
+        """Writes all of them as the bake made them; files that are there already stay."""
+        folder = Path(bpy.path.abspath(self.directory))
+        contents = {
+            folder / name: content
+            for image in made.images
+            for name, content in image_results.packed_files(image).items()
+        }
+        taken = next((path for path in contents if path.exists()), None)
+        try:
+            if taken is not None:
+                raise FileExistsError(17, tooltip("it is there already"), str(taken))
+            for path, content in contents.items():
+                path.write_bytes(content)
+        except OSError as error:
+            sentence = said("The file {path} cannot be written: {reason}")
+            self.report({"ERROR"}, sentence.format(path=error.filename, reason=error.strerror))
+            return {"CANCELLED"}
+        self.report({"INFO"}, said("Wrote {path}").format(path=", ".join(map(str, contents))))
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_show_image, PARADESC_OT_open_image, PARADESC_OT_open_image_folder, PARADESC_OT_save_images)

@@ -1,0 +1,64 @@
+"""Fits the radius of settings to a mesh and to what is measured, where they ask for it. Never imports bpy."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from ..bridge import MeshArrays
+from . import advice
+from .color_maps import EDGES
+
+# The types of job.py, which is built on this.
+Settings, Results = TypeVar("Settings"), TypeVar("Results")
+
+# Edges of thin parts are wider than the parts at a radius that suits the mesh elsewhere: it is halved so many times at most
+# where a mask is brighter than half on more than this share of the surface.
+HALVINGS, MOST_BRIGHT, WORTH_HALVING = 3, 0.4, 0.05
+NARROWED = ("fine", "medium")
+# What the radius of settings is that has been fitted to a mesh.
+FITTED = "fitted"
+
+
+def fitted(settings: Settings, arrays: MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS) -> Settings:
+    """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
+    if settings.radius_fit not in advice.SIZES:
+        return settings
+    radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit, largest)
+    unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
+    return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)
+
+
+def narrowed(
+    settings: Settings,
+    compute: Callable[[Settings], Results],
+    values_of: Callable[[Results], dict[str, np.ndarray]],
+) -> Results:
+    """What is computed with the radius that settings have been fitted with, or with half of it and so on.
+
+    A half is better where a mask is bright on less of the surface than before, which was too much.
+    """
+    results = compute(settings)
+    share = bright_share(results, values_of(results))
+    for _ in range(HALVINGS):
+        if share <= MOST_BRIGHT:
+            break
+        settings = replace(settings, options=replace(settings.options, radius=settings.options.radius / 2))
+        other = compute(settings)
+        less = bright_share(other, values_of(other))
+        if less > share - WORTH_HALVING:
+            break
+        results, share = other, less
+    return results
+
+
+def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
+    """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
+    found = [0.0]
+    for name in EDGES & values.keys():
+        areas = results.areas if values is results.values else np.ones(values[name].shape)
+        defined = np.isfinite(values[name])
+        total = float(areas[defined].sum())
+        found.append(float(areas[defined & (values[name] > 0.5)].sum()) / total if total > 0 else 0.0)
+    return max(found)

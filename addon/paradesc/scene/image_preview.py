@@ -1,0 +1,218 @@
+"""Shows textures on meshes in solid viewports, drawn over whatever those show: nothing of the .blend changes for it.
+
+Blender's own solid shading shows the active image of a material, into which its next bake or stroke goes as well: that
+choice stays the user's. What is shown is known to this session alone, by names, which outlive an undo.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+from mathutils import Matrix
+
+from ..settings import preferences
+from .arrays import read_array
+from .unwrap import read_uvs
+
+# The texture is drawn nearer to the eye than the surface by this share of the mesh's size, so that the two do not mix.
+NEARER = 1e-3
+VERTEX = """
+void main() {
+  gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
+  place = uv;
+}
+"""
+# Viewports keep what is drawn into them in sRGB, and make it of linear colors by themselves.
+FRAGMENT = """
+void main() {
+  FragColor = vec4(texture(image, place).rgb, 1.0);
+}
+"""
+
+Key = tuple[str, str | None]  # a name and a library
+
+
+@dataclass
+class Shown:
+    """One texture on one mesh."""
+
+    image: Key
+    uv_map: str
+    nearer: float  # a length in the world by which it is drawn nearer besides
+    batch: object = None  # the triangles as the graphics card has them; None where they are to be made
+    size: float = 0.0  # of the mesh
+
+
+_shown: dict[Key, Shown] = {}
+_kept: dict[str, object] = {}  # the handle of the calls that draw, and the shader
+
+
+def key_of(block: bpy.types.ID) -> Key:
+    """By what Blender finds it again."""
+    return block.name, block.library.filepath if block.library is not None else None
+
+
+def can_show(image: bpy.types.Image) -> bool:
+    """Whether it is one image and not one of tiles, which viewports get as a whole."""
+    return image.source != "TILED"
+
+
+def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: float = 0.0) -> None:
+    """Shows an image over a UV map of the object from now on, in place of another one."""
+    _shown[key_of(target)] = Shown(key_of(image), uv_map, nearer)
+    if "handle" not in _kept and not bpy.app.background:
+        _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
+        for calls in changes():
+            calls.append(forget_batches)
+    redraw()
+
+
+def reveal(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: float = 0.0) -> None:
+    """After a bake: shows its image, unless the preferences say otherwise."""
+    if not bpy.app.background and preferences.shows_results() and can_show(image):
+        show(target, image, uv_map, nearer)
+
+
+def shown(target: bpy.types.Object) -> str:
+    """The name of the image that is shown on an object, or ""."""
+    found = _shown.get(key_of(target))
+    return found.image[0] if found is not None and bpy.data.images.get(found.image) is not None else ""
+
+
+def hide(target: bpy.types.Object | None = None) -> None:
+    """Shows no image any more on the object, or on any."""
+    for key in list(_shown) if target is None else [key_of(target)]:
+        _shown.pop(key, None)
+    if not _shown and "handle" in _kept:
+        bpy.types.SpaceView3D.draw_handler_remove(_kept.pop("handle"), "WINDOW")
+        for calls in changes():
+            calls.remove(forget_batches)
+    redraw()
+
+
+def redraw() -> None:
+    """Has Blender draw all viewports again."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def changes() -> list[list]:
+    """Blender's lists of what it calls when meshes may have changed."""
+    calls = bpy.app.handlers
+    return [calls.depsgraph_update_post, calls.frame_change_post, calls.load_post, calls.undo_post, calls.redo_post]
+
+
+@persistent
+def forget_batches(_scene: object = None, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Has the triangles of meshes that changed read again; of all of them if Blender does not say which."""
+    names = None
+    if isinstance(depsgraph, bpy.types.Depsgraph):
+        names = {item.id.name for item in depsgraph.updates if item.is_updated_geometry}
+    for (name, _), own in _shown.items():
+        if names is None or name in names:
+            own.batch = None
+
+
+# ---- Drawing
+
+
+def draw() -> None:
+    """Called by Blender for every viewport once it has drawn its objects."""
+    context = bpy.context
+    space = context.space_data
+    if space.shading.type != "SOLID":
+        return
+    for key, own in list(_shown.items()):
+        target, image = bpy.data.objects.get(key), bpy.data.images.get(own.image)
+        if target is None or image is None or target.type != "MESH":
+            del _shown[key]
+        elif target.mode == "OBJECT" and target.visible_get(viewport=space):
+            draw_one(context, target, image, own)
+
+
+def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.types.Image, own: Shown) -> None:
+    """Draws the texture of one object."""
+    import gpu
+
+    if own.batch is None:
+        prepare(context, target, own)
+    if not own.batch:
+        return
+    view = context.region_data.view_matrix
+    matrix = target.matrix_world
+    distance = max((view @ matrix).translation.length, 1e-6)
+    nearer = own.nearer + NEARER * own.size * max(matrix.to_scale())
+    if context.region_data.is_perspective:  # toward the eye, so that nothing moves on the screen
+        moved = Matrix.Scale(1 - min(nearer / distance, 0.5), 4)
+    else:
+        moved = Matrix.Translation((0, 0, nearer))
+    shader = made_shader()
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.depth_mask_set(True)
+    with gpu.matrix.push_pop():
+        gpu.matrix.load_matrix(moved @ view @ matrix)
+        shader.bind()
+        shader.uniform_sampler("image", gpu.texture.from_image(image))
+        own.batch.draw(shader)
+    gpu.state.depth_mask_set(False)
+    gpu.state.depth_test_set("NONE")
+
+
+def prepare(context: bpy.types.Context, target: bpy.types.Object, own: Shown) -> None:
+    """Hands the triangles of the mesh as it is shown to the graphics card; nothing if it has no such UV map."""
+    from gpu_extras.batch import batch_for_shader
+
+    evaluated = target.evaluated_get(context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    try:
+        points, places = triangles_of(mesh, own.uv_map)
+    finally:
+        evaluated.to_mesh_clear()
+    own.batch = batch_for_shader(made_shader(), "TRIS", {"pos": points, "uv": places}) if len(points) else False
+    own.size = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
+def triangles_of(mesh: bpy.types.Mesh, uv_map: str) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) positions and (n, 2) places in the UV map of triangles' corners, three in a row; none without the map.
+
+    Without its name it is the active one.
+    """
+    layer = mesh.uv_layers.get(uv_map) if uv_map else mesh.uv_layers.active
+    if layer is None:
+        return np.empty((0, 3), np.float32), np.empty((0, 2), np.float32)
+    mesh.calc_loop_triangles()
+    vertices = read_array(mesh.loop_triangles, "vertices", np.int32, 3).reshape(-1)
+    corners = read_array(mesh.loop_triangles, "loops", np.int32, 3).reshape(-1)
+    return read_array(mesh.vertices, "co", np.float32, 3)[vertices], read_uvs(layer)[corners]
+
+
+def made_shader() -> object:
+    """The shader, which is made when it is first needed."""
+    import gpu
+
+    if "shader" not in _kept:
+        between = gpu.types.GPUStageInterfaceInfo("paradesc_image")
+        between.smooth("VEC2", "place")
+        info = gpu.types.GPUShaderCreateInfo()
+        info.push_constant("MAT4", "ModelViewProjectionMatrix")
+        info.sampler(0, "FLOAT_2D", "image")
+        info.vertex_in(0, "VEC3", "pos")
+        info.vertex_in(1, "VEC2", "uv")
+        info.vertex_out(between)
+        info.fragment_out(0, "VEC4", "FragColor")
+        info.vertex_source(VERTEX)
+        info.fragment_source(FRAGMENT)
+        _kept["shader"] = gpu.shader.create_from_info(info)
+    return _kept["shader"]
+
+
+classes = ()
+
+
+def unregister() -> None:
+    """Shows nothing any more."""
+    hide()
+    _kept.clear()

@@ -1,0 +1,62 @@
+"""Keeps on a mesh which images a bake has made of it, for the line in the panel that says so and shows them."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import bpy
+
+from ..files import tile_names
+from . import record
+
+# The member of the mesh's record.
+MEMBER = "image_bake"
+
+
+@dataclass
+class ImageBake:
+    """What a bake to images made of one mesh; plain values, as a custom property keeps them."""
+
+    names: list[str]  # of the images in the .blend
+    size: int  # texels along a side
+    seconds: float
+    uv_map: str  # which they lie over
+    cage: float = 0.0  # how far the detailed meshes may lie from this one, in the world; 0 if it was measured itself
+    notes: str = ""  # what the panel says of it besides, in lines
+    warnings: str = ""
+
+    @property
+    def images(self) -> list[bpy.types.Image]:
+        """The images that are still there."""
+        return [image for image in map(bpy.data.images.get, self.names) if image is not None]
+
+
+def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:
+    """Keeps it, in place of what an earlier bake to images made; a mesh of another file keeps nothing."""
+    if mesh.library is None:
+        record.write(mesh, {MEMBER: asdict(made)}, {}, {})
+
+
+def found(target: bpy.types.Object | None) -> ImageBake | None:
+    """What the last bake to images made of an object's mesh, or None, also where none of its images is left."""
+    if target is None or target.type != "MESH":
+        return None
+    stored = record.read(target.data).get(MEMBER)
+    made = ImageBake(**stored) if stored else None
+    return made if made is not None and made.images else None
+
+
+def is_packed(image: bpy.types.Image) -> bool:
+    """Whether its file is within the .blend."""
+    return image.packed_file is not None or len(image.packed_files) > 0
+
+
+def folder_of(image: bpy.types.Image) -> Path:
+    """Where its file lies."""
+    return Path(bpy.path.abspath(image.filepath)).parent
+
+
+def packed_files(image: bpy.types.Image) -> dict[str, bytes]:
+    """The PNG files within the .blend, by the names that they would have beside it."""
+    path = Path(image.filepath.removeprefix("//"))
+    packed = {(item.tile_number if image.source == "TILED" else None): item for item in image.packed_files}
+    return {tile_names.of_tile(path, tile).name: item.packed_file.data for tile, item in packed.items()}

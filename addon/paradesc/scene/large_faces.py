@@ -1,0 +1,57 @@
+"""Tells whether faces of objects are too large for vertex colors, quickly enough for a panel to ask at each draw."""
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ..core import large_faces, source_kinds
+from . import source_meshes
+from .arrays import read_array
+
+# A mesh with more faces than this is fine enough.
+MOST_FACES = 200_000
+# What was found lately, by what tells meshes apart without reading them.
+_found: dict[tuple, bool] = {}
+MOST_KEPT = 256
+
+
+def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
+    """Whether that is so of all these objects, of which there is one at least, as this source has them."""
+    return bool(objects) and all(are_too_large(target, source) for target in objects)
+
+
+def are_too_large(target: bpy.types.Object, source: str) -> bool:
+    """Whether that is so of one; in edit and sculpt mode nothing is told, as their meshes change all the time."""
+    if target.mode in ("EDIT", "SCULPT") or len(target.data.polygons) > MOST_FACES:
+        return False
+    modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
+    shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target
+    key = (
+        target.data.as_pointer(),
+        *map(counts, (target.data, shown.data)),
+        *((item.type, getattr(item, "levels", 0)) for item in modifiers),
+    )
+    if key not in _found:
+        if len(_found) >= MOST_KEPT:
+            _found.clear()
+        _found[key] = measured(shown)
+    return _found[key]
+
+
+def counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
+    """What is quick to ask of a mesh and seldom stays when it becomes another."""
+    return len(mesh.vertices), len(mesh.polygons)
+
+
+def measured(shown: bpy.types.Object) -> bool:
+    """Reads a mesh and tells."""
+    mesh = shown.to_mesh()
+    try:
+        if len(mesh.polygons) > MOST_FACES:
+            return False
+        mesh.calc_loop_triangles()
+        triangles = read_array(mesh.loop_triangles, "vertices", np.int32, 3)
+        return large_faces.are_too_large(read_array(mesh.vertices, "co", np.float32, 3), triangles)
+    finally:
+        shown.to_mesh_clear()

@@ -1,0 +1,137 @@
+"""Finds the UV map that an image lies over, and makes one where a mesh has none that an image can lie over."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .. import bridge
+from ..core import job, source_kinds, texel_centers, udim
+from . import mesh_io, modes, targets, unwrap
+
+NAME = "Paradesc"
+# Charts lie so far apart, as a share of the square's side: eight texels of 1024.
+GUTTER = 8 / 1024
+# Where so many faces, by area, share each place on average, an image is of no use. Mirrored halves share one with two.
+MOST_STACKED = 3.0
+# Texels along a side of the image that tells how much of the square is covered.
+PROBE = 256
+
+
+@dataclass
+class Over:
+    """A mesh that was read over a UV map of its own."""
+
+    read: targets.Read
+    name: str  # of the map; "" where modifiers make it
+    made: bool = False  # for this bake
+    note: str = ""
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the map lies beyond the image, or the tiles, that are made of it."""
+        tiling = udim.of_mesh(self.read.measured)
+        return not tiling.first and not tiling.tiles
+
+
+def read_over(target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest) -> Over:
+    """Reads a mesh over its active UV map, or where that is of no use, over one of ours, which it gets if it has none.
+
+    Raises one sentence where the mesh cannot get a map, or where its user has several maps to choose from.
+    """
+    layers, reason, read, said = target.data.uv_layers, "has no UV map", None, ""
+    if len(layers) or request.source not in (source_kinds.ORIGINAL, "deformed"):  # other modifiers may add a map
+        read = targets.read(target, settings, request)
+        reason = fault(read.measured)
+        why = udim.of_mesh(read.measured).why
+        said = f" {why}" if reason and why else ""
+    if not reason:
+        return Over(read, layers.active.name if layers.active is not None else "")
+    if not may_make(target):
+        if read is None or read.measured.map_fault:
+            raise mesh_io.refuse(f'The mesh "{target.data.name}" {reason}; unwrap it (U in edit mode).')
+        return Over(read, layers.active.name)
+    reason = reason.split(" (")[0]  # what others can be used is our own affair here
+    name = own(target.data)
+    if name:
+        with active(target, name):
+            read = targets.read(target, settings, request)
+        if not fault(read.measured):
+            return Over(read, name, note=f'The mesh {reason}: the image lies over "{name}", of an earlier bake.{said}')
+    name = make(target)
+    with active(target, name):
+        read = targets.read(target, settings, request)
+    return Over(
+        read, name, True, f'The mesh {reason}: Smart UV Project made "{name}", and the image lies over it.{said}'
+    )
+
+
+def fault(arrays: bridge.MeshArrays) -> str:
+    """Why no image should lie over the mesh's own UV map, as "has …", or ""."""
+    if arrays.map_fault or udim.of_mesh(arrays).tiles:
+        return arrays.map_fault
+    corners = arrays.corner_uvs[arrays.triangle_corners]
+    ones = np.ones(len(arrays.positions), np.float32)
+    covered = np.isfinite(bridge.draw_uv_image(corners, arrays.triangle_vertices, ones, PROBE)).mean()
+    stacked = texel_centers.uv_area(arrays) > MOST_STACKED * covered
+    return "has a UV map with most faces over each other" if stacked else ""
+
+
+def not_rendered(mesh: bpy.types.Mesh, name: str) -> str:
+    """The name of a map, if renders use another one where nothing names it; else ""."""
+    layer = mesh.uv_layers.get(name)
+    return name if layer is not None and not layer.active_render else ""
+
+
+def own(mesh: bpy.types.Mesh) -> str:
+    """The name of the newest map that was made here, or ""."""
+    return next((layer.name for layer in reversed(mesh.uv_layers) if layer.name.startswith(NAME)), "")
+
+
+def may_make(target: bpy.types.Object) -> bool:
+    """Whether the mesh can get a map: where there are several, the choice among them is the user's."""
+    others = [layer for layer in target.data.uv_layers if not layer.name.startswith(NAME)]
+    return (
+        len(others) < 2
+        and target.library is None
+        and target.data.library is None
+        and (target.data.override_library is None)
+    )
+
+
+def make(target: bpy.types.Object) -> str:
+    """Unwraps a copy of the mesh, and gives the mesh that layout as one more UV map, whose name it gives."""
+    mesh = target.data
+    arrays = mesh_io.read_object(target, False, False)
+    with modes.object_mode(target):
+        uvs = unwrap.lay_out(arrays, unwrap.face_starts(mesh), GUTTER)
+        layer = mesh.uv_layers.new(name=NAME, do_init=False)
+        if layer is None:
+            raise mesh_io.refuse(f'The mesh "{mesh.name}" has as many UV maps as Blender allows; remove one.')
+        unwrap.write_uvs(layer, uvs)
+        return layer.name
+
+
+def remove(target: bpy.types.Object, name: str) -> None:
+    """Takes a map away that was made for a bake which came to nothing."""
+    with modes.object_mode(target):
+        layer = target.data.uv_layers.get(name)
+        if layer is not None:
+            target.data.uv_layers.remove(layer)
+
+
+@contextmanager
+def active(target: bpy.types.Object, name: str) -> Iterator[None]:
+    """Makes a map the active one for a while; "": leaves it."""
+    layers = target.data.uv_layers
+    former = layers.active_index
+    if not name or layers.active == layers.get(name):
+        yield
+        return
+    layers.active = layers[name]
+    try:
+        yield
+    finally:
+        layers.active_index = former

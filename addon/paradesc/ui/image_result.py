@@ -1,0 +1,39 @@
+"""Draws what the last bake to images made of the active mesh, and the buttons that show it."""
+
+import bpy
+
+from ..scene import image_preview, image_results
+from ..scene.image_results import ImageBake
+from ..settings.translation import label
+from .drawing import sentence_lines
+
+
+def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws nothing where no image has been made, or none is left."""
+    made = image_results.found(context.active_object)
+    if made is None:
+        return
+    column, images = layout.column(align=True), made.images
+    sentence_lines(context, column, result_sentence(made))
+    shown = image_preview.shown(context.active_object)
+    for image in images:
+        text = label("Show on Mesh") if len(images) == 1 else image.name
+        options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
+        column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
+    opened = next((image for image in images if image.name == shown), images[0])
+    row = column.row(align=True)
+    row.operator("paradesc.open_image", text="Open").name = opened.name
+    if image_results.is_packed(images[0]):
+        row.operator("paradesc.save_images", text="Save").name = opened.name
+    else:
+        row.operator("paradesc.open_image_folder", text="Folder").name = opened.name
+    for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
+        for sentence in sentences.splitlines():
+            sentence_lines(context, column, sentence, kind)
+
+
+def result_sentence(made: ImageBake) -> str:
+    """What was made, in one line."""
+    images = made.images
+    what = images[0].name if len(images) == 1 else label("{count} images").format(count=len(images))
+    return label("{what}, {size}², {seconds} s").format(what=what, size=made.size, seconds=f"{made.seconds:.1f}")

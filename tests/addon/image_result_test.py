@@ -1,0 +1,134 @@
+"""What Bake to Image leaves for the panel: which images were made, what shows them, and when that is forgotten."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from image_operator_test import folder, pngs_in, settings  # noqa: E402, F401
+from udim_operator_test import SIX, in_tiles  # noqa: E402
+
+from paradesc.bake import image_viewing  # noqa: E402
+from paradesc.scene import image_preview, image_results  # noqa: E402
+from paradesc.ui import image_result  # noqa: E402
+from scene import add_sphere, saved_scene  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+
+def ball():
+    return bpy.data.objects["ball"]
+
+
+def baked():
+    bpy.ops.paradesc.bake_image()
+    return image_results.found(ball())
+
+
+def test_a_mesh_knows_what_was_made_of_it_also_after_saving(folder, tmp_path):  # noqa: F811
+    made = baked()
+    assert (made.names, made.size, made.uv_map, made.cage) == (["ball_curvature.png"], 96, "UVMap", 0.0)
+    assert image_result.result_sentence(made) == f"ball_curvature.png, 96², {made.seconds:.1f} s"
+    assert 0 < made.seconds < 600  # that of the clock, in whose unit it is said
+    saved_scene(tmp_path / "later.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "later.blend"))
+    assert image_results.found(ball()) == made
+
+
+def test_it_is_forgotten_when_the_image_is_gone(folder):  # noqa: F811
+    made = baked()
+    bpy.data.images.remove(made.images[0])
+    assert image_results.found(ball()) is None
+    assert not bpy.ops.paradesc.show_image.poll()
+
+
+def test_several_images_are_counted_and_those_that_are_left_named(folder, settings):  # noqa: F811
+    settings.descriptors = {"cavity", "convexity"}
+    made = baked()
+    assert image_result.result_sentence(made).startswith("2 images, 96², ")
+    bpy.data.images.remove(bpy.data.images["ball_cavity.png"])
+    assert image_result.result_sentence(image_results.found(ball())).startswith("ball_edges.png, 96², ")
+
+
+def test_a_bake_of_vertices_and_one_to_images_keep_what_the_other_left(folder):  # noqa: F811
+    made = baked()
+    bpy.ops.paradesc.bake()
+    assert image_results.found(ball()) == made
+    assert baked().names == made.names
+    assert "mean_curvature" in ball().data["paradesc"]["attributes"]
+
+
+def test_a_texture_is_shown_and_hidden_and_nothing_of_the_file_changes(folder):  # noqa: F811
+    baked()
+    ball().data.materials.append(bpy.data.materials.new("mine"))
+    before = len(bpy.data.materials), list(ball().data.attributes.keys())
+    assert image_preview.shown(ball()) == ""  # nobody looks in background mode
+    assert bpy.ops.paradesc.show_image() == {"FINISHED"}
+    assert image_preview.shown(ball()) == "ball_curvature.png"
+    assert before == (len(bpy.data.materials), list(ball().data.attributes.keys()))
+    assert bpy.ops.paradesc.show_image() == {"FINISHED"}
+    assert image_preview.shown(ball()) == ""
+
+
+def test_what_is_drawn_lies_where_the_mesh_as_it_is_shown_has_it(folder):  # noqa: F811
+    modifier = ball().modifiers.new("wide", "SUBSURF")
+    modifier.levels = 1
+    mesh = ball().evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    points, places = image_preview.triangles_of(mesh, "UVMap")
+    assert len(points) == len(places) == 3 * 2 * len(mesh.polygons)
+    assert points.min() == min(min(vertex.co) for vertex in mesh.vertices)
+    corner = next(corner for corner in mesh.loops if corner.index == 7)
+    along = np.linalg.norm(places - np.array(mesh.uv_layers["UVMap"].data[7].uv), axis=1)
+    np.testing.assert_allclose(points[np.argmin(along)], mesh.vertices[corner.vertex_index].co, atol=1e-6)
+    assert image_preview.triangles_of(mesh, "no such map")[0].shape == (0, 3)
+
+
+def test_tiles_are_not_shown_and_one_sentence_says_so(folder):  # noqa: F811
+    in_tiles(ball())
+    made = baked()
+    assert made.names == ["ball_curvature.<UDIM>.png"]
+    with pytest.raises(RuntimeError, match="Viewports show no tiles"):
+        bpy.ops.paradesc.show_image()
+
+
+def test_packed_images_are_saved_as_the_bake_made_them(settings, tmp_path):  # noqa: F811
+    made = baked()
+    assert bpy.ops.paradesc.save_images(directory=str(tmp_path)) == {"FINISHED"}
+    assert pngs_in(tmp_path) == ["ball_curvature.png"]
+    assert (tmp_path / "ball_curvature.png").read_bytes() == made.images[0].packed_file.data
+    (tmp_path / "ball_curvature.png").write_bytes(b"mine")
+    with pytest.raises(RuntimeError, match="is there already"):
+        bpy.ops.paradesc.save_images(directory=str(tmp_path))
+    assert (tmp_path / "ball_curvature.png").read_bytes() == b"mine"
+
+
+def test_packed_tiles_are_saved_one_by_one(settings, tmp_path):  # noqa: F811
+    in_tiles(ball())
+    baked()
+    bpy.ops.paradesc.save_images(directory=str(tmp_path))
+    assert pngs_in(tmp_path) == [f"ball_curvature.{tile}.png" for tile in SIX]
+
+
+def test_packing_says_nothing_on_the_console(settings, capfd):  # noqa: F811
+    baked()
+    baked()
+    found = capfd.readouterr()
+    assert "not available" not in found.out + found.err
+
+
+def test_the_folder_is_that_of_the_file(folder, monkeypatch):  # noqa: F811
+    baked()
+    asked = []
+    monkeypatch.setattr(image_viewing, "open_folder", lambda path: asked.append(path))
+    assert bpy.ops.paradesc.open_image_folder() == {"FINISHED"}
+    assert asked == [Path(folder)]
+
+
+def test_a_mesh_without_images_has_no_line_and_grey_buttons():
+    add_sphere("ball")
+    assert image_results.found(ball()) is None
+    assert image_results.found(None) is None
+    for name in ("show_image", "open_image", "open_image_folder", "save_images"):
+        assert not getattr(bpy.ops.paradesc, name).poll()

@@ -1,0 +1,197 @@
+"""Live values measure the surface, the radius and the range of a bake, so that nothing jumps when Live is pressed."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from live_values import count_computations, stretching_sphere, switch, values  # noqa: E402
+from paradesc.animation import frames, handlers, live  # noqa: E402
+from paradesc.core import fitting, job  # noqa: E402
+from paradesc.files import cache  # noqa: E402
+from paradesc.scene import record, source_meshes  # noqa: E402
+from scene import add_sphere, attribute_values  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+MASK = "cavity"
+
+
+@pytest.fixture
+def cage():
+    """A dented sphere of few faces that Subdivision makes many of, measured as it is shown, with the samples of Live."""
+    scene = bpy.context.scene
+    settings = scene.paradesc
+    settings.descriptors, settings.backend, settings.samples = {MASK}, "cpu", 16
+    settings.radius_percent, scene.paradesc_animation.source = 8.0, "auto"
+    made = add_sphere(steps=8)
+    for vertex in made.data.vertices:
+        vertex.co *= 1 + 0.3 * np.cos(5 * vertex.co.x)
+    made.modifiers.new("finer", "SUBSURF").levels = 2
+    return made
+
+
+def bake():
+    """Presses the button."""
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+
+
+def test_live_gives_the_values_of_a_bake_with_the_modifiers_that_are_shown(cage):
+    bake()
+    baked = values(cage, MASK)
+    assert switch(cage) == ""
+    assert handlers.session_at(cage).arrays.positions.shape[0] > 4 * len(baked), "the cage was measured"
+    np.testing.assert_array_equal(values(cage, MASK), baked)
+    cage.modifiers["finer"].show_viewport = False
+    bpy.context.view_layer.update()
+    handlers.refresh_window([cage])
+    assert np.nanmax(np.abs(values(cage, MASK) - baked)) > 0.05, "the modifier makes no difference"
+
+
+def test_the_base_mesh_stays_what_is_measured_where_it_is_chosen(cage):
+    bpy.context.scene.paradesc_animation.source = "original"
+    bake()
+    baked = values(cage, MASK)
+    assert switch(cage) == ""
+    np.testing.assert_allclose(values(cage, MASK), baked, atol=1e-5)  # the radius is rounded once more as a length
+
+
+def test_another_source_is_followed(cage):
+    assert switch(cage) == ""
+    shown = values(cage, MASK)
+    bpy.context.scene.paradesc_animation.source = "original"
+    session = handlers.session_at(cage)
+    assert not session.has_settings(bpy.context.scene)
+    handlers.refresh_window([cage])
+    assert session.has_settings(bpy.context.scene)
+    assert np.nanmax(np.abs(values(cage, MASK) - shown)) > 0.05
+
+
+def test_the_fitted_radius_is_that_of_a_bake_and_is_not_fitted_to_every_frame(cage, monkeypatch):
+    bpy.context.scene.paradesc.radius_fit = "broad"
+    bake()
+    radius = record.read(cage.data)["field_report"]["radius"]
+    fits = []
+    fitted = fitting.fitted
+    monkeypatch.setattr(fitting, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
+    assert switch(cage) == ""
+    session = handlers.session_at(cage)
+    assert session.results.radius == pytest.approx(radius, rel=1e-5)
+    done = count_computations(monkeypatch)
+    cage.modifiers.new("bend", "SIMPLE_DEFORM").angle = 1.0
+    for frame in (2, 3):
+        bpy.context.scene.frame_set(frame)
+    assert len(done) == 1
+    assert len(fits) == 1
+    assert session.results.radius == pytest.approx(radius, rel=1e-5)
+
+
+def test_a_session_in_another_process_has_the_radius_of_the_window_whatever_its_frame(cage, tmp_path):
+    bend = cage.modifiers.new("bend", "SIMPLE_DEFORM")
+    bend.deform_method, bend.deform_axis = "BEND", "Z"
+    for frame, angle in ((1, 0.0), (9, 3.0)):
+        bend.angle = angle
+        bend.keyframe_insert("angle", frame=frame)
+    bpy.context.scene.frame_set(1)
+    assert switch(cage) == ""
+    radius = handlers.session_at(cage).results.radius
+    bpy.context.scene.frame_set(9)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"))
+    name = cage.name
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
+    bpy.context.scene.frame_set(8)
+    loaded = bpy.data.objects[name]
+    assert handlers.session_at(loaded).results.radius == pytest.approx(radius, rel=1e-6)
+    switch(loaded, "OFF")
+    switch(loaded)  # from here on the bent shape counts, which is larger
+    assert handlers.session_at(loaded).results.radius > 1.02 * radius
+
+
+def test_modifiers_that_lose_vertices_are_one_short_sentence(cage):
+    cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
+    sentence = switch(cage)
+    assert "take vertices away" in sentence
+    assert len(sentence) < 100
+
+
+# ---- Colors
+
+
+def test_live_has_the_range_of_the_newest_bake(cage):
+    group = bpy.context.scene.paradesc_live
+    assert switch(cage) == ""
+    before = group.ranges[MASK].maximum
+    switch(cage, "OFF")
+    for vertex in cage.data.vertices:
+        vertex.co *= 1 + 0.3 * np.cos(9 * vertex.co.y)
+    bake()
+    colors, baked = values(cage, f"{MASK}_color"), record.read(cage.data)["ranges"][MASK][1]
+    assert abs(baked - before) > 0.01
+    assert switch(cage) == ""
+    assert group.ranges[MASK].maximum == pytest.approx(baked)
+    np.testing.assert_allclose(values(cage, f"{MASK}_color"), colors, atol=2e-3)  # steps of the table of colors
+
+
+def test_a_range_that_was_typed_stays_whatever_is_baked(cage):
+    group = bpy.context.scene.paradesc_live
+    assert switch(cage) == ""
+    group.ranges[MASK].maximum = 0.123
+    bake()
+    handlers.refresh_window([cage])
+    assert group.ranges[MASK].maximum == pytest.approx(0.123)
+
+
+def test_levels_recolor_live_values_at_once_and_compute_nothing(cage, monkeypatch):
+    assert switch(cage) == ""
+    before = values(cage, f"{MASK}_color")
+    done = count_computations(monkeypatch)
+    bpy.context.scene.paradesc_looks.invert = True
+    np.testing.assert_allclose(values(cage, f"{MASK}_color")[:, 0], 1 - before[:, 0], atol=2e-3)
+    assert not done
+
+
+def test_played_frames_have_the_colors_of_a_mask(cage, tmp_path):
+    group = bpy.context.scene.paradesc_animation
+    group.cache_folder, group.use_scene_range, group.frame_start, group.frame_end = str(tmp_path), False, 1, 1
+    assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    assert switch(cage, "CACHE") == ""
+    colors = values(cage, f"{MASK}_color")
+    assert np.ptp(colors[:, :3], axis=1).max() < 1e-6, "a mask is grey"
+    assert np.ptp(colors[:, 0]) > 0.5
+
+
+def test_live_shows_its_colors_beside_others(cage):
+    other = cage.data.color_attributes.new("painted", "FLOAT_COLOR", "POINT")
+    cage.data.color_attributes.active_color = other
+    assert switch(cage) == ""
+    assert cage.data.color_attributes.active_color.name == f"{MASK}_color"
+    bpy.context.scene.paradesc.descriptors = {"convexity"}
+    handlers.refresh_window([cage])
+    assert cage.data.color_attributes.active_color.name == "convexity_color"
+
+
+# ---- Frames
+
+
+def test_frames_are_those_of_the_source_that_is_chosen_for_all(cage):
+    scene = bpy.context.scene
+    group = scene.paradesc_animation
+    assert frames.source_of(scene, cage) == "evaluated"
+    group.source = "original"
+    assert frames.source_of(scene, cage) == "deformed"
+    group.source = "auto"
+    cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
+    assert frames.source_of(scene, cage) == "deformed", "frames of other vertices cannot be played"
+    group.frame_source = "evaluated"
+    assert frames.source_of(scene, cage) == "evaluated", "an older file has chosen it"
+
+
+def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):
+    scene = bpy.context.scene
+    scene.paradesc.radius_fit, group = "fine", scene.paradesc_animation
+    group.source, group.cache_folder = "original", str(tmp_path)
+    group.use_scene_range, group.frame_start, group.frame_end = False, 1, 1
+    bake()
+    radius = record.read(cage.data)["field_report"]["radius"]
+    assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    path = next(iter(cache.frames_in(cache.object_folder(tmp_path, cage.name, [])).values()))
+    assert cache.read_frame(path).info["radius"][MASK] == pytest.approx(radius, rel=1e-5)
