@@ -31,6 +31,8 @@ PARTS = {
     '"{0}" is no image that a bake of "{1}" has left like this, and stays as it is: ',
     '{0}the texture is "{1}".',
     'The mesh "{0}" {1}; unwrap it (U in edit mode).',
+    'The mesh {0}: Smart UV Project made "{1}", and the image lies over it.{2}',
+    'The mesh {0}: the image lies over "{1}", of an earlier bake.{2}',
     "The {0} has no path; give one under Output.",
     "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
 }

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import bpy
 
+from . import translation
+
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
 GIGABYTE = 1_000_000_000
@@ -53,13 +55,13 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         limit = layout.row()
         limit.prop(self, "memory_limit")
         if self.memory_limit == 0:
-            limit.label(text="Automatic")
+            limit.label(text=translation.label("Automatic"))
         layout.prop(self, "presets_folder")
         row = layout.row()
-        row.operator("paradesc.manual", text="Documentation", icon="HELP")
+        row.operator("paradesc.manual", text=translation.label("Documentation"), icon="HELP")
         for text, icon, address in (("Website", "URL", website()), ("Report a Bug", "ERROR", tracker())):
             if address:
-                row.operator("wm.url_open", text=text, icon=icon).url = address
+                row.operator("wm.url_open", text=translation.label(text), icon=icon).url = address
 
 
 def found() -> PARADESC_AP_preferences | None:

@@ -161,7 +161,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         """Draws our presets, then the user's own, then those of shared folders, and what to do with one's own."""
         for name, preset in PRESETS.items():
-            self.layout.operator("paradesc.preset", text=preset.label).name = name
+            self.layout.operator("paradesc.preset", text=translation.label(preset.label)).name = name
         for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
             rows = preset_folders.rows_in(folder)
             if rows:
@@ -171,10 +171,10 @@ class PARADESC_MT_presets(bpy.types.Menu):
                 line.enabled = not row.fault
                 line.operator("paradesc.load_preset", text=row.name).filepath = str(row.path)
         self.layout.separator()
-        self.layout.operator("paradesc.add_preset", text="Save as Preset…", icon="ADD")
+        self.layout.operator("paradesc.add_preset", text=translation.label("Save as Preset…"), icon="ADD")
         remove = self.layout.row()
         remove.enabled = bool(chosen)
-        remove.operator("paradesc.add_preset", text="Remove This Preset", icon="REMOVE").remove_active = True
+        remove.operator("paradesc.add_preset", text=translation.label("Remove This Preset"), icon="REMOVE").remove_active = True
 
 
 class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):

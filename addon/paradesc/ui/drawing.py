@@ -65,6 +65,12 @@ def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: st
     layout.prop(group, name, text=label(group.bl_rna.properties[name].name), translate=False)
 
 
+def choice(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str, chosen: str) -> None:
+    """Draws a button for one of the choices of a setting."""
+    words = group.bl_rna.properties[name].enum_items[chosen].name
+    layout.prop_enum(group, name, chosen, text=label(words), translate=False)
+
+
 def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str = "NONE") -> None:
     """Draws a sentence in lines that fit into the sidebar, the first with an icon if there is one."""
     column = layout.column(align=True)

@@ -38,7 +38,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
     if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0) and stored["warnings"]:
-        column.operator("paradesc.bake", text="Bake with Fitted Radius").fit = "medium"
+        column.operator("paradesc.bake", text=label("Bake with Fitted Radius")).fit = "medium"
 
 
 def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -65,7 +65,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     row = column.row(align=True)
     percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
     for text, step in (("Finer", -1), ("Broader", 1)):
-        asked = row.operator("paradesc.bake", text=text)
+        asked = row.operator("paradesc.bake", text=label(text))
         asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
         asked.fit, asked.radius = next_radius(size, percent, step)
 

@@ -8,7 +8,7 @@ from ..core import devices, spaces
 from ..scene import targets
 from ..settings import preferences
 from ..settings.translation import label
-from .drawing import SettingsPanel, setting
+from .drawing import SettingsPanel, choice, setting
 
 # Backends that bake buffers first, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
@@ -27,12 +27,12 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
         """Draws the registry in three groups, and the options of the chosen operators."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
-            layout.label(text=title)
+            layout.label(text=label(title))
             column = layout.column(align=True)
             if rows[0].map_degree:
                 column.prop(settings, "map_descriptor", text="")
             for row in rows:
-                column.prop_enum(settings, "descriptors", row.name)
+                choice(column, settings, "descriptors", row.name)
         chosen = settings.descriptors
         column = layout.column()
         column.use_property_split = True
