@@ -137,7 +137,7 @@ def context():
         selected_objects=bpy.context.selected_objects,
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=scale), ui_styles=[widget]),
         region=SimpleNamespace(width=scale * DEFAULT_WIDTH),
-        space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX")),
+        space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX", light="FLAT")),
         screen=None,
     )
 

@@ -144,7 +144,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         try:
             content = preset_rules.sound(path)
         except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return {"CANCELLED"}
         preset_members.apply(context.scene, content)
         show_chosen(content.name, path)
@@ -227,7 +227,7 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
         except OSError as error:
             sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
         if sentence:
-            self.report({"ERROR"}, sentence)
+            self.report({"ERROR"}, translation.said(sentence))
         return {"CANCELLED"} if sentence else {"FINISHED"}
 
 
