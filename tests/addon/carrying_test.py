@@ -217,10 +217,11 @@ def test_ours_alone_does_not_make_a_surface_shown_otherwise():
     assert ours(target)
 
 
-def test_live_values_are_shown_instead_of_carried_ones():
+def test_live_values_of_the_base_mesh_are_shown_instead_of_carried_ones():
     target = box("subdivision")
     bake("convexity")
     bpy.context.scene.paradesc.descriptors = {"convexity"}
+    bpy.context.scene.paradesc_animation.source = "original"
     assert switch(target) == ""
     bpy.context.view_layer.update()
     assert carrying.carried_names(target) == []

@@ -40,6 +40,18 @@ def looks():
     return bpy.context.scene.paradesc_looks
 
 
+def test_the_operator_takes_levels_of_its_own_which_then_are_the_panels(looks):
+    target = bumpy()
+    bake(target)
+    plain = greys(target)
+    assert bpy.ops.paradesc.bake(invert=True) == {"FINISHED"}
+    assert looks.invert
+    np.testing.assert_allclose(greys(target), 1 - plain, atol=1e-6)  # of 32-bit floats
+    looks.invert, looks.brightness = False, 0.5
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}  # without any, the panel's stay
+    assert (looks.invert, looks.brightness) == (False, 0.5)
+
+
 def test_the_mask_is_the_value_over_its_range(looks):
     target = bumpy()
     bake(target)

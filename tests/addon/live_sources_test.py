@@ -106,11 +106,51 @@ def test_a_session_in_another_process_has_the_radius_of_the_window_whatever_its_
     assert handlers.session_at(loaded).results.radius > 1.02 * radius
 
 
-def test_modifiers_that_lose_vertices_are_one_short_sentence(cage):
-    cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
-    sentence = switch(cage)
-    assert "take vertices away" in sentence
-    assert len(sentence) < 100
+def carried_values(target, name=MASK):
+    """The values on the mesh that the modifiers make, of which the last one stores them."""
+    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return attribute_values(evaluated.data, name)
+
+
+@pytest.mark.parametrize("kind", ["SUBSURF", "DECIMATE"])
+def test_what_modifiers_make_has_the_values_of_a_bake_and_follows(cage, kind):
+    if kind == "DECIMATE":
+        cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
+    bake()
+    baked, objects = carried_values(cage), len(bpy.context.scene.objects)
+    assert switch(cage) == ""
+    np.testing.assert_allclose(carried_values(cage), baked, atol=1e-5)
+    for vertex in cage.data.vertices:
+        vertex.co.z *= 1 - 0.3 * np.cos(9 * vertex.co.x)
+    cage.data.update()
+    handlers.STATE.edited_at = 0.0
+    handlers.follow_edits()
+    followed = carried_values(cage)
+    assert np.nanmax(np.abs(followed - baked)) > 0.05
+    if kind == "SUBSURF":
+        np.testing.assert_array_equal(followed, handlers.session_at(cage).results.values[MASK])
+    assert len(bpy.context.scene.objects) == objects, "there is a second object"
+    assert len([item for item in cage.modifiers if item.type == "NODES"]) == 1
+
+
+def test_live_alone_carries_values_and_leaves_them_as_a_bake_does(cage):
+    assert switch(cage) == ""
+    shown = carried_values(cage, f"{MASK}_color")
+    assert len(shown) > 4 * len(cage.data.vertices)
+    assert np.ptp(shown[:, 0]) > 0.5
+    switch(cage, "OFF")
+    np.testing.assert_array_equal(carried_values(cage, f"{MASK}_color"), shown)
+    assert bpy.ops.paradesc.recolor() == {"FINISHED"}, "they are taken for painted over"
+
+
+def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):
+    assert switch(cage) == ""
+    bpy.ops.object.mode_set(mode="SCULPT")
+    handlers.refresh_window([cage])
+    assert not [item for item in cage.modifiers if item.type == "NODES"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    handlers.refresh_window([cage])
+    assert [item for item in cage.modifiers if item.type == "NODES"]
 
 
 # ---- Colors

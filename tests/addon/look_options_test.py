@@ -81,6 +81,18 @@ def test_legend_counts_from_end_to_end_through_the_neutral_value():
     assert legend.ticks(ValueRange(-0.01, 3, True, 0.0))[1][1] == "1.49"  # 0 would be written over the end
 
 
+def test_legend_of_a_mask_goes_from_0_to_1_and_says_which_value_is_1():
+    assert legend.ticks(ValueRange(0, 0.596, False, map_name="grey")) == [(0.0, "0"), (0.5, "1 = 0.6"), (1.0, "1")]
+    assert legend.ticks(ValueRange(0, 1, False, map_name="grey")) == [(0.0, "0"), (1.0, "1")]
+    assert len(legend.ticks(ValueRange(0.2, 1, False, map_name="grey"))) == 3
+
+
+def test_masks_have_the_names_of_their_buttons():
+    named = {"cavity": "Cavity", "convexity": "Edge Wear", "ambient_openness": "Openness"}
+    assert {name: legend.label(name) for name in named} == named
+    assert legend.title("convexity_r0.02", "") == "Edge Wear, radius 0.02"
+
+
 def test_legend_is_named_with_unit_and_radius():
     assert legend.title("mean_curvature", "1/length") == "Mean Curvature (1/length)"
     assert legend.title("shape_index_r0.02", "") == "Shape Index, radius 0.02"

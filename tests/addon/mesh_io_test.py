@@ -184,6 +184,19 @@ def test_second_bake_overwrites_the_first(sphere_object):
     assert np.array_equal(attribute_values(sphere_object.data, "mean_curvature"), again.values["mean_curvature"])
 
 
+def test_which_vertices_have_no_value_is_written_only_where_one_has_none_or_had(sphere_object):
+    mesh, name = sphere_object.data, "paradesc_mask"
+    results = made_up_results(sphere_object)
+    mesh_io.write_results(sphere_object, results)
+    assert name not in mesh.attributes
+    results.values["mean_curvature"][7] = np.nan
+    mesh_io.write_results(sphere_object, results)
+    assert np.flatnonzero(attribute_values(mesh, name)).tolist() == [7]
+    results.values["mean_curvature"][7] = 0.5
+    mesh_io.write_results(sphere_object, results)
+    assert not attribute_values(mesh, name).any()  # what reads it goes on
+
+
 def test_summary_says_what_was_done(sphere_object):
     mesh_io.write_results(sphere_object, made_up_results(sphere_object))
     stored = record.read(sphere_object.data)

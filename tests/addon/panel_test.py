@@ -13,7 +13,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.core import members  # noqa: E402
-from paradesc.scene import mesh_io, record  # noqa: E402
+from paradesc.scene import large_faces, mesh_io, record  # noqa: E402
 from paradesc.settings import preferences, research  # noqa: E402
 from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, result, settings_panel  # noqa: E402
 from scene import add_sphere, select, small_bake  # noqa: E402
@@ -265,6 +265,25 @@ def test_the_next_radius_is_a_size_or_half_or_twice_as_large():
     assert result.next_radius("medium", 3.0, 1) == ("broad", 0.0)
     assert result.next_radius("fine", 3.0, -1) == ("panel", 1.5)
     assert result.next_radius("typed", 3.0, 1) == ("panel", 6.0)
+
+
+def test_of_large_faces_the_button_that_suits_comes_first(monkeypatch):
+    bpy.context.scene.paradesc.descriptors = {"cavity"}
+    add_sphere()
+    buttons = ["Bake Cavity", "Bake to Image"]
+    assert [text for text in drawn_by(panel.PARADESC_PT_bake)["operator"] if text in buttons] == buttons
+    monkeypatch.setattr(large_faces, "every", lambda _objects, _source: True)
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert [text for text in shown["operator"] if text in buttons] == buttons[::-1]
+    assert "Faces are too large" in " ".join(shown["label"])
+
+
+def test_clicks_reach_a_sidebar_alone_while_a_bake_runs():
+    region = SimpleNamespace(type="UI", x=1300, y=20, width=200, height=900)
+    place = SimpleNamespace(screen=SimpleNamespace(areas=[SimpleNamespace(type="VIEW_3D", regions=[region])]))
+    inside, outside = ((1400, 500), (1300, 20)), ((1299, 500), (1500, 500), (1400, 920))
+    assert all(modal.over_sidebar(place, SimpleNamespace(mouse_x=x, mouse_y=y)) for x, y in inside)
+    assert not any(modal.over_sidebar(place, SimpleNamespace(mouse_x=x, mouse_y=y)) for x, y in outside)
 
 
 def test_one_scale_is_offered_for_several_meshes_alone():

@@ -21,7 +21,7 @@ from ..files.frame_baking import with_fixed_radii
 from ..scene import delivery, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
-from . import painting, surfaces
+from . import carried, painting, surfaces
 
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
@@ -64,6 +64,7 @@ class Session:
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # as LiveRequest has them
         self.vertices: np.ndarray | None = None
+        self.keeps_own = True  # the original vertices are among the arrays', not only near them
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
@@ -128,7 +129,7 @@ class Session:
         taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
         if not taken:
             return False
-        if scene is None or surfaces.waiting_sentence(target) or len(target.data.vertices) != len(self.results.coverage):
+        if scene is None or surfaces.waiting_sentence(target) or len(target.data.vertices) != len(self.own().coverage):
             self.unpainted = True
             return False
         self.wrote = self.show(target, scene, None, True)
@@ -163,8 +164,13 @@ class Session:
         self.results.look = look
         painting.follow_bake(scene.paradesc_live, look, target.data, self.asked_names())
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
-        changed = painting.paint(self.painter, target, self.values(), ranges, fresh or self.unpainted)
+        fresh_on_mesh = fresh or self.unpainted
+        self.painter.carried = self.done.vertices is not None
+        changed = painting.paint(self.painter, target, self.values(self.own()), ranges, fresh_on_mesh)
         self.unpainted = False
+        if self.painter.carried and (changed or fresh_on_mesh):
+            by_place = None if depsgraph is not None and depsgraph.mode == "RENDER" else not self.keeps_own
+            carried.paint(self.painter, target, self.values(self.results), self.done.arrays, by_place)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -211,7 +217,8 @@ class Session:
 
     def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
         """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
-        self.vertices = None if rendering is None else surfaces.places_of(target, arrays, rendering)
+        places = (None, True) if rendering is None else surfaces.places_of(target, arrays, rendering)
+        self.vertices, self.keeps_own = places
         begins = self.arrays is None and rendering is not None
         self.kept = record.read(target.data).get(RADII, {}) if begins else {}
         self.arrays, self.rest = arrays, mesh_io.read_positions(target.data)
@@ -236,8 +243,6 @@ class Session:
                 self.stream.settings = replace(self.stream.settings, options=options)
                 results = self.stream.compute(request.positions, progress, request.corner_normals)
         self.prepared = request
-        if request.vertices is not None:
-            results = delivery.on_original(results, source_meshes.Reading(request.arrays, "", request.vertices))
         self.compute_seconds = time.perf_counter() - start
         return results
 
@@ -257,7 +262,7 @@ class Session:
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
         if self.results is not None:
-            self.painter.reveal(target.data, self.values())
+            self.painter.reveal(target.data, self.values(self.own()))
 
     def forget_ranges(self) -> None:
         """Does nothing, because a session keeps no ranges."""
@@ -270,7 +275,7 @@ class Session:
         """The range of one descriptor in these results."""
         results, computed = self.results, self.computed_names()[name]
         row, radius = registry_row(computed), results.radius_of(computed)
-        areas = None if look.fixed(row) else results.areas
+        areas = None if look.fixed(row) or results.areas_of is None else results.areas_of()
         return color_maps.value_range(results.values[computed], row, radius, look, areas)
 
     def asked_names(self) -> list[str]:
@@ -281,9 +286,14 @@ class Session:
         """For each such name, the name after the radius that was computed with."""
         return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
 
-    def values(self) -> painting.Values:
-        """The results in the form in which they are written."""
-        results, names = self.results, self.computed_names()
+    def own(self) -> Results:
+        """The results at the original vertices."""
+        reading = source_meshes.Reading(self.done.arrays, "evaluated", self.done.vertices)
+        return delivery.on_original(self.results, reading)
+
+    def values(self, results: Results) -> painting.Values:
+        """These results in the form in which they are written."""
+        names = self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
             results.extras,

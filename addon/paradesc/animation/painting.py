@@ -37,6 +37,7 @@ class Painter:
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
     at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
+    carried: bool = False  # the values of other vertices are shown, and those of the mesh lie below them
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
@@ -52,7 +53,8 @@ class Painter:
             if others and others != self.at:  # another mask was chosen
                 self.reveal(mesh, values)
         ownership.forget(mesh, values.names(self.at))
-        carrying.release(mesh, values.names(self.at))
+        if not self.carried:
+            carrying.release(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             arrays.set_values(mesh.attributes[name], array)

@@ -13,7 +13,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core import source_kinds
 from ..core.job import Settings, needs_uvs
-from ..scene import arrays, carrying, mesh_io, sculpt_masks, source_meshes
+from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
 from ..scene.mesh_io import refuse
 from ..settings.snapshot import identity
 
@@ -96,18 +96,18 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 # ---- Original vertices
 
 
-def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> np.ndarray:
-    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex.
+def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tuple[np.ndarray, bool]:
+    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex; whether all are there.
 
-    Those that other modifiers keep are found again by a bake's way, which a render cannot go.
+    Those that other modifiers keep are found again by a bake's way, which a render cannot go. Else it is the nearest.
     """
     count, found = len(target.data.vertices), len(made.positions)
     if appends(target, count, found, rendering):
-        return np.arange(count)
+        return np.arange(count), True
     places = np.empty(0) if rendering else source_meshes.origins(target)
     if len(places) != count or (places < 0).any() or (places >= found).any():
-        raise lost(target)
-    return places
+        return delivery.nearest(target.data, made), False
+    return places, True
 
 
 def lost(target: bpy.types.Object) -> Exception:

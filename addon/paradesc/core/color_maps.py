@@ -40,7 +40,7 @@ MASKS = {"cavity", "convexity", "ambient_openness"}
 EDGES = {"cavity", "convexity"}
 # White in a mask is the 98th percentile of what is not black, or less: this percentage of the surface is brighter than half
 # of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
-NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.02, 98.0, 4.0, 0.05
+NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.05
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         results,
         values={name: values[at] for name, values in results.values.items()},
         coverage=results.coverage[at],
-        areas_of=None if results.areas_of is None else lambda: results.areas[at],
+        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
         seam_error={name: values[at] for name, values in results.seam_error.items()},

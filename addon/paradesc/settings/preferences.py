@@ -59,9 +59,11 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         layout.prop(self, "presets_folder")
         row = layout.row()
         row.operator("paradesc.manual", text=translation.label("Documentation"), icon="HELP")
-        for text, icon, address in (("Website", "URL", website()), ("Report a Bug", "ERROR", tracker())):
-            if address:
-                row.operator("wm.url_open", text=translation.label(text), icon=icon).url = address
+        home = website()
+        if home:
+            row.operator("wm.url_open", text=translation.label("Website"), icon="URL").url = home
+        if tracker(home):
+            row.operator("wm.url_open", text=translation.label("Report a Bug"), icon="ERROR").url = tracker(home)
 
 
 def found() -> PARADESC_AP_preferences | None:
@@ -103,10 +105,10 @@ def website() -> str:
     return named[1] if named else ""
 
 
-def tracker() -> str:
-    """The address for reports of bugs: that of a forge's repository, if the website is one; or ""."""
-    repository = re.fullmatch(r"https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?/?", website())
-    return f"{repository[0].rstrip('/')}/issues" if repository else ""
+def tracker(home: str) -> str:
+    """The address for reports of bugs, if the website is a repository on a forge; or ""."""
+    repository = re.fullmatch(r"(https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?)/?", home)
+    return f"{repository[1]}/issues" if repository else ""
 
 
 classes = (PARADESC_AP_preferences,)

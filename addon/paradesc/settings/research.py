@@ -28,6 +28,8 @@ PARTS = {
     "buffers_path": "write_buffers",
     "neutral": "use_neutral",
 }
+# These have no value of their own until somebody gives them one.
+STORED = ("frame_source",)
 
 
 def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
@@ -38,12 +40,15 @@ def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
 def changed(scene: bpy.types.Scene) -> list[tuple[bpy.types.PropertyGroup, str]]:
     """The research settings of a scene that have an effect because they are not at their defaults."""
     every = [(getattr(scene, place), name) for place, names in RESEARCH.items() for name in names]
-    return [
-        (group, name)
-        for group, name in every
-        if getattr(group, name) != group.bl_rna.properties[name].default
-        and getattr(group, PARTS.get(name, name)) is not False
-    ]
+    return [(group, name) for group, name in every if acts(group, name)]
+
+
+def acts(group: bpy.types.PropertyGroup, name: str) -> bool:
+    """Whether a setting changes what is done without it."""
+    if name in STORED:
+        return group.is_property_set(name)
+    is_usual = getattr(group, name) == group.bl_rna.properties[name].default
+    return not is_usual and (name not in PARTS or getattr(group, PARTS[name]))
 
 
 class PARADESC_OT_show_research(bpy.types.Operator):

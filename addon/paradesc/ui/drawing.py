@@ -55,14 +55,14 @@ def in_two_columns(layout: bpy.types.UILayout) -> None:
     layout.use_property_decorate = False
 
 
-def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
+def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str, **options: object) -> None:
     """Draws a setting, a switch over the whole width, unless it is one for research and those are hidden."""
     if research.is_hidden(group, name):
         return
     if group.bl_rna.properties[name].type == "BOOLEAN":
         layout = layout.row()
         layout.use_property_split = False
-    layout.prop(group, name, text=label(group.bl_rna.properties[name].name), translate=False)
+    layout.prop(group, name, text=label(group.bl_rna.properties[name].name), translate=False, **options)
 
 
 def choice(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str, chosen: str) -> None:

@@ -7,7 +7,7 @@ from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import advice, choices, spaces
-from ..scene import mesh_io, pairs, sculpt_masks, targets
+from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -18,6 +18,9 @@ from .result import draw_result
 
 # Of the row that the button has beside Live.
 BAKE_SHARE = 0.7
+TO_IMAGE = "Bake to Image"
+# So many of the selected meshes are asked for the size of their faces.
+MOST_ASKED = 32
 MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}
 
 
@@ -84,7 +87,7 @@ def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
     column = layout.column(align=True)
-    column.label(text=label("Sculpt Mask"))
+    column.label(text=label("Protect by Sculpt Mask"))
     row = column.row(align=True)
     for name in sculpt_mask.MASKS:
         row.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].label)).mask = name
@@ -94,15 +97,19 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 
 
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws the buttons that bake, and the switch of live values beside the first."""
-    text = button_text(len(targets.by_mesh(targets.chosen(context))), presets.chosen_masks(settings))
-    active = context.active_object
+    """Draws the buttons that bake, the one that suits the meshes first, and the switch of live values beside it."""
+    chosen, active = targets.chosen(context), context.active_object
+    text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
+    buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
+    if large_faces.every(chosen[:MOST_ASKED], context.scene.paradesc_animation.source):
+        sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
+        buttons.reverse()
     row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
     row.scale_y = 1.4
-    row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE", translate=False)
-    if is_mesh(active):
-        row.prop(active.paradesc_live, "follows", toggle=True)
-    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    for place, (name, words, icon) in zip((row, layout), buttons, strict=True):
+        place.operator(name, text=words, icon=icon, translate=False)
+        if place == row and is_mesh(active):
+            row.prop(active.paradesc_live, "follows", toggle=True)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)

@@ -1,0 +1,39 @@
+"""Brings live values to the vertices that modifiers make, by the carrier that bakes use, at every frame anew."""
+
+import bpy
+
+from ..bridge import MeshArrays
+from ..scene import arrays, carrying, delivery, mesh_io, ownership, record
+from . import painting
+
+
+def paint(
+    painter: painting.Painter, target: bpy.types.Object, values: painting.Values, made: MeshArrays, by_place: bool | None
+) -> None:
+    """Fills the carrier with the values of the mesh that modifiers made, as the painter painted the object's own mesh.
+
+    by_place: as carrying.carry() has it, or None in a render, which makes no carrier. It finds one of other vertices
+    where it has another level of subdivision; there Blender mixes the values of the object's own vertices.
+    """
+    names, mesh = values.names(painter.at), carrying.carrier_of(target)
+    fits = mesh is not None and len(mesh.vertices) == len(made.positions) and painting.has_all(mesh, names)
+    if by_place is None and not fits:
+        return
+    if not fits:
+        mesh = delivery.carrier_mesh(target, made)
+        mesh_io.make_attributes(mesh, names)
+    ownership.forget(mesh, names)
+    for name, array in painter.attribute_values(values):
+        arrays.set_values(mesh.attributes[name], array)
+    if not fits:
+        painting.leave_record(mesh, values, painter.ranges, painter.at)
+        carrying.carry(target, mesh, by_place)
+    mesh.update()
+
+
+def leave(target: bpy.types.Object) -> None:
+    """Keeps fingerprints of carried values that change no more."""
+    mesh = carrying.carrier_of(target) if target.type == "MESH" else None
+    if mesh is not None:
+        known = ownership.fingerprints(mesh)
+        ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
