@@ -36,6 +36,7 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 # needs more.
 MODULES = (
     "settings.translation",
+    "settings.asset_library",
     "settings.preferences",
     "settings.research",
     "settings.properties",
@@ -59,8 +60,10 @@ MODULES = (
     "show.recolor",
     "show.materials",
     "show.geometry_nodes",
+    "show.wear_operators",
     "show.channels",
     "show.copies",
+    "ui.wear_panel",
     "ui.looks_panel",
     "ui.menus",
     "show.overlay",

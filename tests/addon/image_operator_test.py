@@ -145,10 +145,10 @@ def test_a_mesh_without_a_material_gets_one_that_shows_the_texture(folder, setti
     assert found == material
     nodes = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeTexImage"]
     assert [node.image.name for node in nodes] == ["ball_cavity.png", "ball_edges.png"]
-    assert material.node_tree.nodes.active == nodes[0]
-    (link,) = nodes[0].outputs["Color"].links
+    assert material.node_tree.nodes.active == nodes[1]  # a sphere has no cavity to show
+    (link,) = nodes[1].outputs["Color"].links
     assert link.to_socket.name == "Base Color"
-    assert not nodes[1].outputs["Color"].is_linked
+    assert not nodes[0].outputs["Color"].is_linked
 
 
 def test_the_users_own_material_gets_a_node_and_no_link(folder, settings):

@@ -52,6 +52,21 @@ def test_several_images_are_counted_and_those_that_are_left_named(folder, settin
     assert image_result.result_sentence(image_results.found(ball())).startswith("ball_edges.png, 96², ")
 
 
+def test_images_are_named_by_what_they_hold_and_the_telling_one_is_shown(folder, settings, monkeypatch):  # noqa: F811
+    settings.descriptors = {"cavity", "convexity"}  # a sphere has no cavity
+    seen = []
+    monkeypatch.setattr(image_preview, "reveal", lambda _target, image, *_words: seen.append(image.name))
+    made = baked()
+    assert [made.label(image) for image in made.images] == ["Cavity", "Edge Wear"]
+    assert seen == ["ball_edges.png"]
+
+
+def test_a_packed_image_is_named_by_all_that_it_holds(folder, settings):  # noqa: F811
+    settings.image_packed = True
+    made = baked()
+    assert made.label(made.images[0]) == "Cavity, Edge Wear, Openness"
+
+
 def test_a_bake_of_vertices_and_one_to_images_keep_what_the_other_left(folder):  # noqa: F811
     made = baked()
     bpy.ops.paradesc.bake()
@@ -132,3 +147,17 @@ def test_a_mesh_without_images_has_no_line_and_grey_buttons():
     assert image_results.found(None) is None
     for name in ("show_image", "open_image", "open_image_folder", "save_images"):
         assert not getattr(bpy.ops.paradesc, name).poll()
+
+
+def test_the_line_has_its_buttons_and_says_what_happened_to_the_map(settings):  # noqa: F811
+    from panel_test import drawn_by
+
+    from paradesc.ui import panel
+
+    ball().data.uv_layers.remove(ball().data.uv_layers[0])
+    made = baked()
+    found = drawn_by(panel.PARADESC_PT_bake)
+    assert {"Show on Mesh", "Open", "Save"} <= set(found["operator"])
+    said = " ".join(found["label"])
+    assert f"ball_curvature, 96², {made.seconds:.1f} s" in said
+    assert made.notes in said

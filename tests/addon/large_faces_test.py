@@ -122,3 +122,71 @@ def test_of_no_object_nothing_is_said(registered):
     from paradesc.scene import large_faces as of_objects
 
     assert not of_objects.every([], "auto")
+
+
+# ---- Panel and menus
+
+
+def drawn(cls):
+    from panel_test import drawn_by
+
+    return drawn_by(cls)
+
+
+@pytest.mark.parametrize("kind", ["cube", "torus"])
+def test_the_main_button_is_the_one_that_shows_a_mask_and_the_other_stays(shown, kind):
+    from paradesc.ui import panel
+
+    large = shown(kind)
+    found, buttons = drawn(panel.PARADESC_PT_bake), ["Bake Descriptors", "paradesc.bake_image"]
+    assert [text for text in found["operator"] if text in buttons] == (buttons[::-1] if large else buttons)
+    assert ("Faces are too large" in " ".join(found["label"])) == large
+
+
+def test_menus_bake_to_images_then(shown):
+    from paradesc.ui import menus
+
+    shown("torus")
+    assert drawn(menus.PARADESC_MT_bake)["operator"][0] == "Bake Cavity"
+    shown("cube")
+    import bpy
+
+    from scene import select
+
+    select(bpy.data.objects["Cube"])
+    assert drawn(menus.PARADESC_MT_bake)["operator"][0] == "Bake Cavity to Image"
+
+
+def test_a_mask_that_a_menu_asks_for_is_the_one_in_the_image(shown):
+    import bpy
+
+    shown("cube")
+    bpy.context.scene.paradesc.texels = 64
+    assert bpy.ops.paradesc.bake_image(mask="openness") == {"FINISHED"}
+    assert [image.name for image in bpy.data.images if image.source == "FILE"] == ["Cube_openness"]
+
+
+def test_flat_faces_of_a_cube_are_black_away_from_its_edges_in_the_image(shown):
+    """Twice the radius from an edge nothing of another face is seen: 0 to the bit of a 16-bit pixel."""
+    import bpy
+
+    from paradesc.scene import image_results, unwrap
+
+    shown("cube")
+    bpy.context.scene.paradesc.texels = 1024
+    bpy.ops.paradesc.bake_image(mask="edge_wear")
+    target = bpy.context.object
+    radius = bpy.context.scene.paradesc.radius_percent / 100 * 12**0.5  # of the diagonal of a cube of side 2
+    image = image_results.found(target).images[0]
+    pixels = np.array(image.pixels[:], np.float32).reshape(1024, 1024, 4)[:, :, 0]
+    uvs = unwrap.read_uvs(target.data.uv_layers.active).reshape(6, 4, 2)
+    assert radius < 0.2
+    for corners in uvs:
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        inside = (high - low) * radius  # a face has side 2 and its inner part lies 2 radii from its border
+        (left, bottom), (right, top) = np.ceil(1024 * (low + inside)), np.floor(1024 * (high - inside))
+        face = pixels[int(bottom) : int(top), int(left) : int(right)]
+        assert face.size > 1000
+        assert not face.any()
+        border = pixels[int(512 * (low[1] + high[1])), int(1024 * low[0]) + 1]  # about a fifth of the radius away
+        assert border > 0.5

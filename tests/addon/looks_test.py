@@ -182,7 +182,7 @@ def test_operators_that_change_the_scene_are_steps_to_undo():
     """Those without a step write files of their own, or change a view, which Blender does not undo either."""
     known = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Operator)]
     without = {cls.bl_idname for cls in known if "UNDO" not in getattr(cls, "bl_options", ())}
-    places = ("add_preset", "manual", "view_colors", "restore_shading")
+    places = ("add_preset", "manual", "view_colors", "restore_shading", "asset_library")
     assert without == {f"paradesc.{name}" for name in places}
 
 

@@ -18,7 +18,7 @@ USES = {
     "scene": {"bridge", "core", "files", "settings"},
     "bake": {"bridge", "core", "files", "settings", "scene"},
     "animation": {"bridge", "core", "files", "settings", "scene", "bake"},
-    "show": {"bridge", "core", "files", "settings", "scene"},
+    "show": {"bridge", "core", "files", "settings", "scene", "bake"},
     "ui": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
     "commands": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
 }

@@ -38,8 +38,8 @@ PARTS = {
 }
 # What Blender's files and programs read, what the command line says of arrays, and what nobody sees.
 NO_TEXTS = {
-    *("Paradesc", "Paradesc cavity", "Paradesc unwrap", "paradesc live", "Paradesc {0} by {1}", "{0} of {1}"),
-    *("The native library is missing", "Paradesc's settings of one scene."),
+    *("Paradesc", "Paradesc cavity", "Paradesc Cavity of mean_curvature", "Paradesc {0} by {1}", "{0} of {1}"),
+    *("Paradesc unwrap", "paradesc live", "The native library is missing", "Paradesc's settings of one scene."),
     "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
 }
 CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}

@@ -46,6 +46,7 @@ class TextureBake(Piece):
         transfer = self.textures.results.transfer
         return image_results.ImageBake(
             names=[image.name for image in self.images],
+            holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
             size=size,
             seconds=self.seconds,
             uv_map=self.over.name,
@@ -185,9 +186,7 @@ class ImageBatch(OneByOne):
             holds = [textures[0].holds for textures in made.values()]
             rows = zip(piece.images, holds, strict=True)
             found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
-            piece.material = image_nodes.add_to_material(target, found).name
-        first = list(made).index(piece.textures.most_telling())
-        piece.images.insert(0, piece.images.pop(first))  # which is shown
+            piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
         image_results.keep(target.data, piece.result(self.choice.size))
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:

@@ -5,6 +5,7 @@ import bpy
 from ..scene import image_preview, pairs, targets
 from ..settings.translation import said
 from .image_batch import ImageBatch
+from .mask_option import MaskOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
@@ -26,14 +27,14 @@ class ImageJob(ModalJob):
             return {"CANCELLED"}
         for piece in batch.written:
             made = piece.result(batch.choice.size)
-            image_preview.reveal(piece.target(), made.images[0], made.uv_map, made.cage)
+            image_preview.reveal(piece.target(), piece.images[piece.textures.most_telling()], made.uv_map, made.cage)
         for sentence in failed:
             self.report({"WARNING"}, sentence)
         self.report({"WARNING" if failed else "INFO"}, image_sentence(batch))
         return {"FINISHED"}
 
 
-class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
+class PARADESC_OT_bake_image(MaskOption, ImageJob, bpy.types.Operator):
     """Measure the surface for every texel of the UV map, and load the result as 16-bit textures beside the .blend"""
 
     bl_idname = "paradesc.bake_image"
@@ -46,7 +47,8 @@ class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
         return targets.reading_obstacle(context)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
-        """Takes settings and selection, with or without a window."""
+        """Takes settings and selection, with or without a window; a mask that the operator is given goes first."""
+        self.take_mask(context.scene.paradesc)
         return ImageBatch(context)
 
 

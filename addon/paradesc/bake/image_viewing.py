@@ -104,7 +104,9 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
     directory: bpy.props.StringProperty(
         name="Folder", description="Where the files go", default="", subtype="DIR_PATH", options={"SKIP_SAVE"}
     )
-    filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+    filter_folder: bpy.props.BoolProperty(
+        name="Folders", description="Have the file browser show folders", default=True, options={"HIDDEN"}
+    )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Asks for the folder."""

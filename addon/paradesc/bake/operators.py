@@ -6,11 +6,12 @@ from ..bridge import ParadescError, abi
 from ..core import devices, legend
 from ..scene import mesh_io, modes, targets, viewports
 from ..scene.targets import obstacle
-from ..settings import presets, translation
+from ..settings import translation
 from ..settings.looks import COLORS
 from ..settings.properties import property_of
 from .batch import Batch
 from .fit import RadiusOption
+from .mask_option import MaskOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
@@ -18,8 +19,6 @@ from .pieces import failures, report_all
 LISTED = 3
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 LEVELS = ("contrast", "brightness", "invert")
-
-AS_SET = ("panel", "As Set", "The descriptors and settings of the panel")
 
 
 class LevelsOption:
@@ -41,20 +40,12 @@ class LevelsOption:
             setattr(self, name, getattr(group, name))
 
 
-class PARADESC_OT_bake(RadiusOption, LevelsOption, ModalJob, bpy.types.Operator):
+class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.types.Operator):
     """Measure the selected meshes at every vertex, and show the mask as vertex colors"""
 
     bl_idname = "paradesc.bake"
     bl_label = "Bake Mask"
     bl_options = {"REGISTER", "UNDO"}
-
-    mask: bpy.props.EnumProperty(
-        name="Mask",
-        description="What to bake: a mask, or what the panel has",
-        items=[AS_SET, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
-        default=AS_SET[0],
-        options={"SKIP_SAVE"},
-    )
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -64,8 +55,7 @@ class PARADESC_OT_bake(RadiusOption, LevelsOption, ModalJob, bpy.types.Operator)
     def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
         """Takes settings and selection, with or without a window; what the operator itself is given goes first."""
         group = context.scene.paradesc
-        if self.mask != AS_SET[0]:
-            presets.choose_mask(group, self.mask)
+        self.take_mask(group)
         self.take_radius(group)
         self.skipped = [item.name for item in targets.skipped(context)]
         self.take_levels(context.scene.paradesc_looks)

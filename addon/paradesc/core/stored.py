@@ -22,7 +22,8 @@ MESH_REPORT = (
 )
 FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
 WORDS = ("backend", "device", "warnings", "notes")
-# What the panel shows of a bake to images, beside the names of the images.
+# What the panel shows of a bake to images: for each image its name and what it holds, and besides:
+IMAGE_LISTS = ("names", "holds")
 IMAGE_WORDS, IMAGE_NUMBERS = ("uv_map", "notes", "warnings"), ("size", "seconds", "cage")
 
 
@@ -69,11 +70,12 @@ def is_report(value: object, members: tuple[str, ...]) -> bool:
 def image_bake(value: object) -> dict[str, object]:
     """What a bake to images left, or nothing if any of it is missing."""
     row = as_dict(value)
-    names = row.get("names")
-    sound = isinstance(names, list) and all(isinstance(name, str) for name in names)
+    lists = [row.get(name) for name in IMAGE_LISTS]
+    sound = all(isinstance(one, list) and all(isinstance(text, str) for text in one) for one in lists)
+    sound = sound and len(lists[0]) == len(lists[1])
     sound = sound and all(isinstance(row.get(name), str) for name in IMAGE_WORDS)
     sound = sound and all(is_number(row.get(name)) for name in IMAGE_NUMBERS)
-    return {name: row[name] for name in ("names", *IMAGE_WORDS, *IMAGE_NUMBERS)} if sound else {}
+    return {name: row[name] for name in (*IMAGE_LISTS, *IMAGE_WORDS, *IMAGE_NUMBERS)} if sound else {}
 
 
 def ranges(value: object) -> dict[str, list[float]]:

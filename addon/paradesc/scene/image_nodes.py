@@ -40,8 +40,8 @@ class Texture:
         return ", ".join(legend.label(name) for name in self.holds)
 
 
-def add_to_material(target: bpy.types.Object, textures: list[Texture]) -> bpy.types.Material:
-    """Puts textures into the object's active material, the first one active; without one it makes a material."""
+def add_to_material(target: bpy.types.Object, textures: list[Texture], active: int = 0) -> bpy.types.Material:
+    """Puts textures into the object's active material; an object without one gets one that shows the active texture."""
     material = target.active_material
     if material is None:
         if target.data.library is not None or target.data.override_library is not None:
@@ -57,9 +57,9 @@ def add_to_material(target: bpy.types.Object, textures: list[Texture]) -> bpy.ty
         link_masks(tree, node, texture)
     for node in tree.nodes:
         node.select = node in nodes
-    tree.nodes.active = nodes[0]
+    tree.nodes.active = nodes[active]
     if material.get(MARK):
-        show(tree, nodes[0])
+        show(tree, nodes[active])
     return material
 
 

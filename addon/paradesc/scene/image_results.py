@@ -5,6 +5,7 @@ from pathlib import Path
 
 import bpy
 
+from ..core import legend
 from ..files import tile_names
 from . import record
 
@@ -17,6 +18,7 @@ class ImageBake:
     """What a bake to images made of one mesh; plain values, as a custom property keeps them."""
 
     names: list[str]  # of the images in the .blend
+    holds: list[str]  # the names of the values in each, between commas
     size: int  # texels along a side
     seconds: float
     uv_map: str  # which they lie over
@@ -28,6 +30,10 @@ class ImageBake:
     def images(self) -> list[bpy.types.Image]:
         """The images that are still there."""
         return [image for image in map(bpy.data.images.get, self.names) if image is not None]
+
+    def label(self, image: bpy.types.Image) -> str:
+        """What an image shows, in words."""
+        return ", ".join(map(legend.label, self.holds[self.names.index(image.name)].split(",")))
 
 
 def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core import large_faces, source_kinds
-from . import source_meshes
+from . import source_meshes, targets
 from .arrays import read_array
 
 # A mesh with more faces than this is fine enough.
@@ -14,6 +14,13 @@ MOST_FACES = 200_000
 # What was found lately, by what tells meshes apart without reading them.
 _found: dict[tuple, bool] = {}
 MOST_KEPT = 256
+# So many of the selected meshes are asked.
+MOST_ASKED = 32
+
+
+def of_chosen(context: bpy.types.Context) -> bool:
+    """Whether that is so of the meshes that a bake takes, as it measures them; the first ones tell."""
+    return every(targets.chosen(context)[:MOST_ASKED], context.scene.paradesc_animation.source)
 
 
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
@@ -22,8 +29,8 @@ def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
 
 
 def are_too_large(target: bpy.types.Object, source: str) -> bool:
-    """Whether that is so of one; in edit and sculpt mode nothing is told, as their meshes change all the time."""
-    if target.mode in ("EDIT", "SCULPT") or len(target.data.polygons) > MOST_FACES:
+    """Whether that is so of one; outside of object mode people change a mesh, or want its colors."""
+    if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
         return False
     modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
     shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target

@@ -2,7 +2,7 @@
 
 import bpy
 
-SOCKETS = {"color": "NodeSocketColor", "float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
+SOCKETS = {"float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
 # The custom property of our node groups and materials that says what they are, whatever their name.
 MARK = "paradesc_kind"
 
@@ -14,27 +14,21 @@ def new_group(kind: str, name: str) -> bpy.types.NodeTree:
     return group
 
 
-def found_group(kind: str, name: str) -> bpy.types.NodeTree | None:
-    """Our group that was made under this name earlier, if it is still there and local."""
-    for group in bpy.data.node_groups:
-        if group.bl_idname == kind and group.get(MARK) == name and group.library is None:
-            return group
-    return None
-
-
-def add_socket(
-    group: bpy.types.NodeTree, name: str, kind: str, default: object = None, *, output: bool = False
-) -> None:
-    """Adds an input or output to a group; a float's default comes with its bounds: (default, minimum, maximum)."""
+def add_socket(group: bpy.types.NodeTree, name: str, kind: str, *, output: bool = False) -> None:
+    """Adds an input or output to a group."""
     if hasattr(group, "interface"):
-        side = "OUTPUT" if output else "INPUT"
-        socket = group.interface.new_socket(name=name, in_out=side, socket_type=SOCKETS[kind])
+        group.interface.new_socket(name=name, in_out="OUTPUT" if output else "INPUT", socket_type=SOCKETS[kind])
     else:
-        socket = (group.outputs if output else group.inputs).new(SOCKETS[kind], name)
-    if kind == "float" and default is not None:
-        socket.default_value, socket.min_value, socket.max_value = default
-    elif default is not None:
-        socket.default_value = default
+        (group.outputs if output else group.inputs).new(SOCKETS[kind], name)
+
+
+def input_of(group: bpy.types.NodeTree, name: str) -> object:
+    """The input of a group that holds its default."""
+    if hasattr(group, "interface"):
+        inputs = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
+    else:
+        inputs = group.inputs
+    return next(item for item in inputs if item.name == name)
 
 
 def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **members: object) -> bpy.types.Node:
@@ -44,48 +38,6 @@ def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **
     for name, value in members.items():
         setattr(node, name, value)
     return node
-
-
-def add_math(
-    tree: bpy.types.NodeTree, kind: str, operation: str, place: tuple[float, float], *inputs: object
-) -> bpy.types.NodeSocket:
-    """Adds a math node for numbers and sockets; gives its result."""
-    node = add_node(tree, kind, place, operation=operation)
-    for index, value in enumerate(inputs):
-        if isinstance(value, bpy.types.NodeSocket):
-            tree.links.new(value, node.inputs[index])
-        else:
-            node.inputs[index].default_value = value
-    return node.outputs[0]
-
-
-def add_map_range(
-    tree: bpy.types.NodeTree,
-    place: tuple[float, float],
-    value: bpy.types.NodeSocket,
-    *ends: bpy.types.NodeSocket,
-    label: str = "",
-) -> bpy.types.NodeSocket:
-    """Adds a node that maps the value from between the two ends to between 0 and 1; gives the result."""
-    node = add_node(tree, "ShaderNodeMapRange", place, clamp=True, label=label)
-    for socket, name in zip((value, *ends), ("Value", "From Min", "From Max"), strict=True):
-        tree.links.new(socket, node.inputs[name])
-    return node.outputs["Result"]
-
-
-def add_mix(
-    tree: bpy.types.NodeTree,
-    place: tuple[float, float],
-    factor: bpy.types.NodeSocket,
-    first: bpy.types.NodeSocket,
-    second: bpy.types.NodeSocket,
-) -> bpy.types.NodeSocket:
-    """Adds a mix of two colors; gives the result."""
-    node = add_node(tree, "ShaderNodeMix", place, data_type="RGBA")
-    ends = [socket for socket in node.inputs if socket.type == "RGBA"]
-    for start, end in ((factor, node.inputs[0]), (first, ends[0]), (second, ends[1])):
-        tree.links.new(start, end)
-    return next(socket for socket in node.outputs if socket.type == "RGBA")
 
 
 def add_modifier(target: bpy.types.Object, tree: bpy.types.NodeTree, name: str) -> bpy.types.NodesModifier:

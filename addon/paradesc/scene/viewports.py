@@ -92,6 +92,15 @@ def reveal(context: bpy.types.Context) -> None:
         del screen[UNDONE]
 
 
+def reveal_materials(context: bpy.types.Context) -> None:
+    """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
+    if bpy.app.background or not preferences.shows_results():
+        return
+    for _, shading in shadings(context.screen):
+        if shading.type == "SOLID":
+            shading.type = "MATERIAL"
+
+
 def can_restore(context: bpy.types.Context) -> bool:
     """Whether it is known how the viewports looked before."""
     return context.screen is not None and FORMER in context.screen

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from . import translation
+from . import asset_library, translation
 
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
@@ -57,6 +57,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         if self.memory_limit == 0:
             limit.label(text=translation.label("Automatic"))
         layout.prop(self, "presets_folder")
+        asset_library.draw(layout)
         row = layout.row()
         row.operator("paradesc.manual", text=translation.label("Documentation"), icon="HELP")
         home = website()

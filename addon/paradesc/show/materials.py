@@ -3,17 +3,16 @@
 import bpy
 
 from ..scene import mesh_io, record
-from ..scene.node_groups import MARK, add_map_range, add_math, add_mix, add_node, add_socket, found_group, new_group
+from ..scene.node_groups import MARK, add_node
 from ..settings.translation import said
 from . import recolor, tuned
+from .assets import append, found_group
+from .passing import base_shader, own_nodes, passes, put, take_out
 from .slots import DESCRIPTOR, assign, take_back
 
-CAVITY_GROUP = "Paradesc Cavity"
-TREE = "ShaderNodeTree"
-# What node groups and materials look like before the user changes them.
-CLAY, DIRT, WEAR = (0.35, 0.20, 0.11, 1.0), (0.025, 0.014, 0.008, 1.0), (0.78, 0.62, 0.46, 1.0)
-# Where the masks begin and where they are full, in curvature times radius: most of a surface is a little convex.
-RAMPS = {"Cavity": (0.03, 0.4), "Edge": (0.2, 0.7)}
+# The groups of the assets, by what they read; those in a file are named after the attributes as well.
+CAVITY_GROUP, OF_MEAN = "Paradesc Cavity", "Paradesc Cavity of mean_curvature"
+PASSED = {"Base Color": "Color"}
 
 
 # ---- Trees
@@ -93,21 +92,31 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
             raise mesh_io.refuse(
                 f'The mesh "{mesh.name}" does not say any more which radius "{mean}" has; bake it again.'
             )
-        attributes, title, settings = (mean, ""), f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
+        asset, attributes, settings = OF_MEAN, {"mean_curvature": mean}, {"Radius": radius}
+        title = f"{CAVITY_GROUP} of {mean}"
     elif concave or convex:
         ends = [concave.removeprefix("cavity"), convex.removeprefix("convexity")]
         suffix = ends[0] or ends[1]
-        attributes = (concave or f"cavity{suffix}", convex or f"convexity{suffix}")
+        asset, settings = CAVITY_GROUP, {}
+        attributes = {"cavity": concave or f"cavity{suffix}", "convexity": convex or f"convexity{suffix}"}
         different = [] if not (concave and convex) or ends[0] == ends[1] else ["and", ends[1].removeprefix("_") or "1"]
-        title, settings = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip(), {}
+        title = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip()
     else:
         raise mesh_io.refuse(
             f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'
         )
-    group = found_group(TREE, title)
-    if group is None:
-        group = build_cavity(title, attributes)
+    group = found_group(title) or cavity_asset(asset, title, attributes)
     return group, settings
+
+
+def cavity_asset(asset: str, title: str, attributes: dict[str, str]) -> bpy.types.NodeTree:
+    """Appends a group of the assets, and lets it read these attributes instead of those that it was made with."""
+    group = append("node_groups", asset)
+    group.name = group[MARK] = title
+    for node in group.nodes:
+        if node.bl_idname == "ShaderNodeAttribute":
+            node.attribute_name = attributes[node.attribute_name]
+    return group
 
 
 def first_of(names: list[str], word: str) -> str:
@@ -115,67 +124,7 @@ def first_of(names: list[str], word: str) -> str:
     return next((name for name in names if mesh_io.registry_name(name) == word), "")
 
 
-def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
-    """Turns attributes into masks between 0 and 1, and mixes dirt and wear into a base color."""
-    tree = new_group(TREE, title)
-    for name, color in (("Base Color", CLAY), ("Cavity Color", DIRT), ("Edge Color", WEAR)):
-        add_socket(tree, name, "color", color)
-    for name in ("Cavity Strength", "Edge Strength"):
-        add_socket(tree, name, "float", (1.0, 0.0, 1.0))
-    for word, (begin, end) in RAMPS.items():
-        add_socket(tree, f"{word} Begin", "float", (begin, 0.0, 1.0))
-        add_socket(tree, f"{word} End", "float", (end, 0.0, 1.0))
-    if not attributes[1]:
-        add_socket(tree, "Radius", "float", (0.1, 0.0, 1e6))
-    add_socket(tree, "Color", "color", output=True)
-    for name in ("Cavity", "Edge"):
-        add_socket(tree, name, "float", output=True)
-    given = add_node(tree, "NodeGroupInput", (-900, 0)).outputs
-    result = add_node(tree, "NodeGroupOutput", (700, 0)).inputs
-    color = given["Base Color"]
-    for index, (word, value) in enumerate(zip(RAMPS, raw_masks(tree, attributes, given), strict=True)):
-        height = -300.0 * index
-        # The larger of a value and 0, which is 0 if the value does not exist.
-        value = add_math(tree, "ShaderNodeMath", "MAXIMUM", (-300, height), value, 0.0)
-        share = add_map_range(tree, (-120, height), value, given[f"{word} Begin"], given[f"{word} End"], label=word)
-        mask = add_math(tree, "ShaderNodeMath", "MULTIPLY", (180, height), share, given[f"{word} Strength"])
-        color = add_mix(tree, (400, height), mask, color, given[f"{word} Color"])
-        tree.links.new(mask, result[word])
-    tree.links.new(color, result["Color"])
-    return tree
-
-
-def raw_masks(
-    tree: bpy.types.NodeTree, attributes: tuple[str, str], given: bpy.types.NodeOutputs
-) -> list[bpy.types.NodeSocket]:
-    """How concave and how convex the surface is: as baked, or by mean curvature times radius of either sign."""
-    if attributes[1]:
-        return [
-            add_node(tree, "ShaderNodeAttribute", (-600, -300 * index), attribute_name=name).outputs["Fac"]
-            for index, name in enumerate(attributes)
-        ]
-    value = add_node(tree, "ShaderNodeAttribute", (-820, -300), attribute_name=attributes[0]).outputs["Fac"]
-    convex = add_math(tree, "ShaderNodeMath", "MULTIPLY", (-640, -300), value, given["Radius"])
-    return [add_math(tree, "ShaderNodeMath", "MULTIPLY", (-470, -100), convex, -1.0), convex]
-
-
 # ---- The group in the user's own material
-
-
-def base_shader(material: bpy.types.Material | None) -> bpy.types.Node | None:
-    """The first Principled BSDF of a material whose output is used; its base color is what the material shows."""
-    if material is None or material.node_tree is None:
-        return None
-    nodes = [node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
-    return next((node for node in nodes if node.outputs[0].is_linked), None)
-
-
-def own_node(shader: bpy.types.Node) -> bpy.types.Node | None:
-    """The cavity group in front of a shader's base color, if it is there."""
-    socket = shader.inputs["Base Color"]
-    node = socket.links[0].from_node if socket.is_linked else None
-    tree = getattr(node, "node_tree", None)
-    return node if tree is not None and str(tree.get(MARK, "")).startswith(CAVITY_GROUP) else None
 
 
 def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
@@ -183,30 +132,19 @@ def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
     shader = base_shader(material)
     if shader is None:
         raise mesh_io.refuse("The active material has no Principled BSDF in use; make the Paradesc material instead.")
-    if own_node(shader) is not None:
+    if any(passes(node, PASSED) for node in own_nodes(material.node_tree, CAVITY_GROUP)):
         raise mesh_io.refuse(f'The material "{material.name}" has the cavity group already.')
     group, settings = cavity_group(mesh)
-    tree, socket = material.node_tree, shader.inputs["Base Color"]
     place = (shader.location.x - 230, shader.location.y - 60)
-    node = add_group(tree, group, settings, place)
-    node.inputs["Base Color"].default_value = socket.default_value
-    if socket.is_linked:
-        tree.links.new(socket.links[0].from_socket, node.inputs["Base Color"])
-    tree.links.new(node.outputs["Color"], socket)
+    put(shader, add_group(material.node_tree, group, settings, place), PASSED)
 
 
-def unplug(material: bpy.types.Material) -> bool:
-    """Takes the cavity group out of a material again; False where there is none."""
-    shader = base_shader(material)
-    node = None if shader is None else own_node(shader)
-    if node is None:
-        return False
-    tree, socket = material.node_tree, shader.inputs["Base Color"]
-    if node.inputs["Base Color"].is_linked:
-        tree.links.new(node.inputs["Base Color"].links[0].from_socket, socket)
-    socket.default_value = node.inputs["Base Color"].default_value
-    tree.nodes.remove(node)
-    return True
+def unplug(material: bpy.types.Material) -> None:
+    """Takes the cavity group out of a material again."""
+    for node in own_nodes(material.node_tree, CAVITY_GROUP):
+        if passes(node, PASSED):
+            take_out(node, PASSED)
+            material.node_tree.nodes.remove(node)
 
 
 # ---- Operators

@@ -4,23 +4,24 @@ import bpy
 
 from .. import bridge
 from ..bake import sculpt_mask
+from ..scene import large_faces
 from ..settings import presets
 from ..settings.translation import label
 
 
 class PARADESC_MT_bake(bpy.types.Menu):
-    """Masks of the selected meshes, as vertex colors"""
+    """Masks of the selected meshes, as vertex colors or images"""
 
     bl_idname = "PARADESC_MT_bake"
     bl_label = "Paradesc Masks"
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Draws one entry for each mask."""
-        words = label("Bake {what}")
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws one entry for each mask, to images where faces are too large for vertex colors."""
+        large = large_faces.of_chosen(context)
+        words = label("Bake {what} to Image" if large else "Bake {what}")
         for name in presets.MASKS:
-            self.layout.operator(
-                "paradesc.bake", text=words.format(what=label(presets.PRESETS[name].label))
-            ).mask = name
+            text = words.format(what=label(presets.PRESETS[name].label))
+            self.layout.operator("paradesc.bake_image" if large else "paradesc.bake", text=text).mask = name
 
 
 def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:

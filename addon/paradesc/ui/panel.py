@@ -15,12 +15,11 @@ from .drawing import SidebarPanel, choice, in_two_columns, sentence_lines, setti
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
+from .wear_panel import draw_wear
 
 # Of the row that the button has beside Live.
 BAKE_SHARE = 0.7
 TO_IMAGE = "Bake to Image"
-# So many of the selected meshes are asked for the size of their faces.
-MOST_ASKED = 32
 MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}
 
 
@@ -101,7 +100,7 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
     chosen, active = targets.chosen(context), context.active_object
     text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
     buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
-    if large_faces.every(chosen[:MOST_ASKED], context.scene.paradesc_animation.source):
+    if large_faces.of_chosen(context):
         sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
         buttons.reverse()
     row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
@@ -110,6 +109,7 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
         place.operator(name, text=words, icon=icon, translate=False)
         if place == row and is_mesh(active):
             row.prop(active.paradesc_live, "follows", toggle=True)
+    draw_wear(layout)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)

@@ -1,0 +1,297 @@
+"""Puts dirt and worn edges between a material's own colors and its shader, by the masks of a bake, and takes them out.
+
+Colors and levels of looks are not written here: they are inputs of the group and of the materials in the assets.
+"""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import bpy
+from mathutils import Vector
+
+from ..scene import large_faces, mesh_io, record
+from ..scene.image_nodes import OF_VERTICES, OWN, is_as_left
+from ..scene.node_groups import MARK, add_node
+from . import slots, tuned
+from .assets import append, shared_group
+from .passing import base_shader, own_nodes, passes, put, take_out, upstream
+
+GROUP = "Paradesc Wear"
+PASSED = {"Base Color": "Color", "Roughness": "Roughness", "Metallic": "Metallic"}
+# Inputs of the group that masks are linked to, and the descriptors that these are.
+MASKS = {"Cavity": "cavity", "Edges": "convexity"}
+# Of the group's inputs, those that come from the material and the object; all others make the look.
+GIVEN = {*PASSED, *MASKS, "Proportions"}
+AS_IS = "AS_IS"
+# The materials of the assets, by the look that they have.
+LOOKS = {"PAINTED_METAL": "Painted Metal", "OLD_STONE": "Old Stone", "DUSTY_PLASTIC": "Dusty Plastic"}
+# The diagonal of the objects that lengths in those materials suit.
+DIAGONAL = 2 * 3**0.5
+# The custom property of nodes of the group that keeps what we have set the inputs to.
+LEFT = tuned.PROPERTY
+# What a material is marked with that had no nodes before.
+WITHOUT_NODES = "without nodes"
+
+Values = dict[str, float | list[float]]
+
+
+# ---- Looks
+
+
+def values_of(node: bpy.types.Node) -> Values:
+    """The inputs of a node of the group that make the look."""
+    found = {socket.name: tuned.plain(socket.default_value) for socket in node.inputs if socket.name not in GIVEN}
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
+
+
+def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
+    """What a look sets: the defaults of the group, or what the material of the assets has."""
+    if look == AS_IS:
+        fresh = add_node(tree, "ShaderNodeGroup", (0, 0), node_tree=shared_group(GROUP))
+        found = values_of(fresh)
+        tree.nodes.remove(fresh)
+        return found
+    material = append("materials", LOOKS[look])
+    found = values_of(own_nodes(material.node_tree, GROUP)[0])
+    bpy.data.materials.remove(material)
+    return found
+
+
+def left_values(node: bpy.types.Node) -> Values:
+    """What we have set the inputs to; empty where it was somebody else."""
+    return record.kept(node, LEFT)
+
+
+def tuned_inputs(node: bpy.types.Node) -> list[str]:
+    """The inputs that somebody has changed since we set them."""
+    left = left_values(node)
+    return [name for name, value in values_of(node).items() if value != left.get(name, value)]
+
+
+def dress(node: bpy.types.Node, values: Values) -> None:
+    """Sets the inputs that nobody has tuned, and keeps in mind what they were set to."""
+    kept = tuned_inputs(node)
+    for name, value in values.items():
+        if name not in kept:
+            node.inputs[name].default_value = value
+    now, left = values_of(node), left_values(node)
+    node[LEFT] = {name: left[name] if name in kept else value for name, value in now.items()}
+
+
+# ---- Adding
+
+
+def fault(target: bpy.types.Object) -> str:
+    """One sentence about why the object's active material takes no wear, or ""."""
+    material = target.active_material
+    if material is None:
+        return ""
+    if material.library is not None or material.override_library is not None:
+        return f'The material "{material.name}" is linked from another file; make it local first.'
+    if slots.DESCRIPTOR in material:
+        return f'The material "{material.name}" shows values; choose one of your own.'
+    if has_nodes(material) and base_shader(material) is None:
+        return f'The material "{material.name}" has no Principled BSDF in use, whose colors could wear.'
+    return ""
+
+
+def has_nodes(material: bpy.types.Material) -> bool:
+    """Whether the material shows what its nodes make; since Blender 5 every one does."""
+    return material.node_tree is not None and material.use_nodes
+
+
+def needs_image(target: bpy.types.Object, source: str) -> bool:
+    """Whether masks of an object show as images alone; a material that other meshes share has them at vertices."""
+    material = target.active_material
+    sharing = [item.data for item in bpy.data.objects if material is not None and material in used(item)]
+    return large_faces.are_too_large(target, source) and all(mesh == target.data for mesh in sharing)
+
+
+def used(item: bpy.types.Object) -> list[bpy.types.Material | None]:
+    """The materials of an object."""
+    return [slot.material for slot in item.material_slots]
+
+
+def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> list[str]:
+    """Gives the active material wear, or an object without material one of the looks; gives sentences.
+
+    look: one of LOOKS or AS_IS; "" leaves the look that the wear has, and is AS_IS where there is none.
+    of_images: images of the masks will be linked to it.
+    """
+    sentence = fault(target)
+    if sentence:
+        raise mesh_io.refuse(sentence)
+    material = target.active_material
+    if material is None:
+        return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
+    if not has_nodes(material):
+        give_nodes(material)
+    node, is_new = wear_node(material)
+    if is_new:
+        fit(material, node, target)
+    connect(material, node, {} if of_images else MASKS, target.data)
+    if is_new or look:
+        dress(node, look_values(material.node_tree, look or AS_IS))
+    kept = tuned_inputs(node) if look else []
+    if kept:
+        return [f'The wear of "{material.name}" keeps what was tuned: {", ".join(kept)}.']
+    return []
+
+
+def give_nodes(material: bpy.types.Material) -> None:
+    """Lets a material that had none show by nodes what its panel has set."""
+    material.use_nodes = True
+    shader = base_shader(material)
+    shader.inputs["Base Color"].default_value = material.diffuse_color
+    for name in ("Metallic", "Roughness"):
+        shader.inputs[name].default_value = getattr(material, name.lower())
+    material[tuned.PROPERTY] = WITHOUT_NODES
+
+
+def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
+    """The node of the group in a material, and whether it had to be made."""
+    found = own_nodes(material.node_tree, GROUP)
+    if found:
+        return next((node for node in found if passes(node, PASSED)), found[0]), False
+    place = free_place(material.node_tree, base_shader(material))
+    return add_node(material.node_tree, "ShaderNodeGroup", place, node_tree=shared_group(GROUP), width=220), True
+
+
+def free_place(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> tuple[float, float]:
+    """Where a node fits left of a shader, below what stands there; no node of the user's moves."""
+    left = shader.location.x - 300
+    beside = [node.location for node in tree.nodes if -400 < node.location.x - left < 240]
+    return left, min([shader.location.y, *(place.y - 360 for place in beside)])
+
+
+def connect(material: bpy.types.Material, node: bpy.types.Node, masks: dict[str, str], mesh: bpy.types.Mesh) -> None:
+    """Links the node to the shader, and masks at vertices to the node where nothing is linked to it yet."""
+    shader = base_shader(material)
+    if not passes(node, PASSED):
+        put(shader, node, PASSED)
+    for row, (name, descriptor) in enumerate(masks.items()):
+        if not node.inputs[name].is_linked:
+            place = (node.location.x - 240, node.location.y - 120 - 180 * row)
+            material.node_tree.links.new(mask_source(material.node_tree, mesh, descriptor, place), node.inputs[name])
+
+
+def mask_source(
+    tree: bpy.types.NodeTree, mesh: bpy.types.Mesh, descriptor: str, place: tuple[float, float]
+) -> bpy.types.NodeSocket:
+    """A node that gives a mask between 0 and 1: the grey that a bake left as a color attribute."""
+    name = f"{record.attribute_of(mesh, descriptor)}_color"
+    node = add_node(tree, "ShaderNodeAttribute", place, attribute_name=name, label=name)
+    node[OF_VERTICES] = descriptor
+    return node.outputs["Color"]
+
+
+def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Object) -> None:
+    """Lets noise and bumps suit the size of an object."""
+    corners = [Vector(corner) for corner in target.bound_box]
+    sides = [max(values) - min(values) for values in zip(*corners, strict=True)]
+    diagonal = Vector(sides).length
+    if diagonal > 0:
+        node.inputs["Proportions"].default_value = [side / diagonal for side in sides]
+        if is_look(material):
+            for bump in [one for one in material.node_tree.nodes if one.type == "BUMP"]:
+                bump.inputs["Distance"].default_value *= diagonal / DIAGONAL
+
+
+def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
+    """Gives an object without material one of the looks; all that have masks at vertices share it."""
+    material = next((item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)), None)
+    if material is None or of_images:
+        material = append("materials", name)
+        material[MARK] = name
+        fit(material, own_nodes(material.node_tree, GROUP)[0], target)
+        tuned.leave(material)
+    target.active_material = material
+    return f'"{target.name}" had no material, and now has "{material.name}".'
+
+
+def is_look(material: bpy.types.Material) -> bool:
+    """Whether an object without material was given it."""
+    return material.get(MARK) in LOOKS.values()
+
+
+@contextmanager
+def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Looks of objects that are as we left them count so afterwards, too: what is added meanwhile is ours."""
+    found = {target.active_material for target in targets if target.active_material is not None}
+    ours = [material for material in found if is_look(material) and tuned.is_as_left(material)]
+    yield
+    for material in ours:
+        tuned.leave(material)
+
+
+# ---- Removing
+
+
+def wears(target: bpy.types.Object) -> bool:
+    """Whether any material of an object has wear."""
+    return any(has_wear(slot.material) for slot in target.material_slots)
+
+
+def has_wear(material: bpy.types.Material | None) -> bool:
+    """Whether the colors of a material go through the group."""
+    nodes = own_nodes(material.node_tree, GROUP) if material is not None else []
+    return any(passes(node, PASSED) for node in nodes)
+
+
+def remove(target: bpy.types.Object) -> list[str]:
+    """Takes wear out of all materials of an object, and the looks that it was given; gives sentences."""
+    notes = []
+    for index, slot in reversed(list(enumerate(target.material_slots))):
+        material = slot.material
+        if not has_wear(material):
+            continue
+        if material.library is not None or material.override_library is not None:
+            notes.append(f'The material "{material.name}" is linked from another file, and stays.')
+        elif is_look(material):
+            notes += take_away(target, index)
+        else:
+            notes += take_wear_out(material)
+    return notes
+
+
+def take_away(target: bpy.types.Object, index: int) -> list[str]:
+    """Takes a look that an object was given, material and all; one that was tuned stays."""
+    material = target.material_slots[index].material
+    if not tuned.is_as_left(material):
+        return [f'The material "{material.name}" was changed since it was made, and stays.']
+    if len(target.material_slots) == 1 and target.material_slots[0].link == "DATA":
+        target.data.materials.clear()
+    else:
+        target.material_slots[index].material = None
+    if not material.users:
+        bpy.data.materials.remove(material)
+    return []
+
+
+def take_wear_out(material: bpy.types.Material) -> list[str]:
+    """Gives a material back what it had; what was tuned stays in it, disconnected, until wear is added again."""
+    tree = material.node_tree
+    (node,) = [one for one in own_nodes(tree, GROUP) if passes(one, PASSED)][:1]
+    used = [name for name in ("Dirt", "Wear") if node.outputs[name].is_linked]
+    if used:
+        return [f'The wear of "{material.name}" stays, because nodes of yours use its output {used[0]}.']
+    take_out(node, PASSED)
+    if tuned_inputs(node):
+        return [f'The wear of "{material.name}" was tuned; it stays in the material, disconnected.']
+    sources = [one for one in upstream(node) if is_source(one)]
+    tree.nodes.remove(node)
+    for source in sources:
+        if not any(socket.is_linked for socket in source.outputs):
+            tree.nodes.remove(source)
+    parents = [one.parent for one in tree.nodes]
+    for frame in [one for one in tree.nodes if one.type == "FRAME" and OWN in one and one not in parents]:
+        tree.nodes.remove(frame)
+    if material.get(tuned.PROPERTY) == WITHOUT_NODES:
+        material.use_nodes = False
+        del material[tuned.PROPERTY]
+    return []
+
+
+def is_source(node: bpy.types.Node) -> bool:
+    """Whether a node of ours gives a mask, and is as we left it."""
+    return OF_VERTICES in node or (OWN in node and (node.type != "TEX_IMAGE" or is_as_left(node)))

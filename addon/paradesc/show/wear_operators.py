@@ -1,0 +1,215 @@
+"""The operators of wear: one bakes the masks that it needs and gives materials wear, one takes it out again."""
+
+from dataclasses import replace
+from functools import partial
+
+import bpy
+
+from ..bake.batch import Batch, MeshBake
+from ..bake.image_batch import ImageBatch
+from ..bake.modal import ModalJob
+from ..bake.operators import keep_for_undo
+from ..bake.pieces import ObjectKey, Piece, Pieces, failures, find, report_all
+from ..core.color_maps import Look
+from ..core.threads import Worker
+from ..scene import mesh_io, modes, targets, viewports
+from ..settings import translation
+from ..settings.snapshot import Snapshot
+from . import wear
+
+
+def mask_look(look: Look) -> Look:
+    """The look of masks in shaders: white is high, over their own range or the one that several meshes share."""
+    shared = {name: span for name, span in look.ranges.items() if name}
+    return replace(Look(), ranges=shared, levels=replace(look.levels, invert=False))
+
+
+class VertexMasks(Batch):
+    """A bake of the masks as vertex colors."""
+
+    def write(self, piece: MeshBake) -> None:
+        """Writes one mesh's masks."""
+        self.look = mask_look(self.look)
+        super().write(piece)
+
+
+class ImageMasks(ImageBatch):
+    """A bake of the masks as images, where vertices are too few."""
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        """Takes settings and selection."""
+        super().__init__(context)
+        self.choice = replace(self.choice, look=mask_look(self.choice.look))
+
+
+class WearJob:
+    """The bakes of the masks of all chosen objects, one after another."""
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        """Takes settings and selection; the panel has afterwards what it had."""
+        group, before = context.scene.paradesc, Snapshot(context.scene)
+        chosen, source = targets.chosen(context), context.scene.paradesc_animation.source
+        coarse = [target for target in chosen if wear.needs_image(target, source)]
+        fine = [target for target in chosen if target not in coarse]
+        try:
+            group.descriptors, group.more_radii = set(wear.MASKS.values()), ""
+            group.write_attributes, group.write_image, group.write_buffers = True, False, False
+            group.image_packed, group.image_to_material = False, True
+            self.batches = [
+                batch_of(kind, context, found) for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)) if found
+            ]
+        finally:
+            before.restore()
+
+    @property
+    def current(self) -> Pieces:
+        """The bake that is under way, or the last one."""
+        return next((one for one in self.batches if not one.done), self.batches[-1])
+
+    @property
+    def worker(self) -> Worker | None:
+        """What computes just now."""
+        return self.current.worker
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether any bake was cancelled."""
+        return any(one.cancelled for one in self.batches)
+
+    @property
+    def done(self) -> bool:
+        """Whether all bakes have ended."""
+        return all(one.done for one in self.batches)
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all bakes."""
+        return sum(one.fraction for one in self.batches) / len(self.batches)
+
+    @property
+    def stage(self) -> str:
+        """What is being done."""
+        return self.current.stage
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the bake under way."""
+        self.current.step(wait)
+
+    def cancel(self) -> None:
+        """Ends all bakes."""
+        for one in self.batches:
+            one.cancel()
+
+    def close(self) -> None:
+        """Lets go of all bakes."""
+        for one in self.batches:
+            one.close()
+
+
+def batch_of(kind: type, context: bpy.types.Context, found: list[bpy.types.Object]) -> Pieces:
+    """A bake of some of the chosen objects."""
+    with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
+        return kind(bpy.context)
+
+
+class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
+    """Bake cavity and edge wear, and let the active material of the selected objects be dirty and worn by them"""
+
+    bl_idname = "paradesc.add_wear"
+    bl_label = "Add Wear to Material"
+    bl_options = {"REGISTER", "UNDO"}
+
+    look: bpy.props.EnumProperty(
+        name="Look",
+        description="Colors and levels of dirt and wear; what was tuned stays",
+        items=[
+            (wear.AS_IS, "Own Colors", "Dirt darkens and wear brightens the colors that the material has"),
+            ("PAINTED_METAL", "Painted Metal", "Bare steel at the edges, grime in the hollows"),
+            ("OLD_STONE", "Old Stone", "Pale edges, dark and mossy hollows"),
+            ("DUSTY_PLASTIC", "Dusty Plastic", "Scuffed edges, pale dust in the hollows and on top"),
+        ],
+        default=wear.AS_IS,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """What stands in the way of reading or writing the selected meshes."""
+        sentence = targets.reading_obstacle(context)
+        if sentence:
+            return sentence
+        refused = [targets.unwritable(target) for target in targets.chosen(context)]
+        return refused[0] if all(refused) else ""
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> WearJob:
+        """Takes the selection; refuses at once if no material of it can wear."""
+        faults = [wear.fault(target) for target in targets.chosen(context)]
+        if all(faults):
+            raise mesh_io.refuse(faults[0])
+        return WearJob(context)
+
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        """Writes the masks and gives the materials wear; after Esc it does nothing."""
+        job = self.job
+        if job.cancelled:
+            self.report({"INFO"}, "Cancelled; every mesh and material is as it was")
+            return {"CANCELLED"}
+        keep_for_undo(context)
+        lost, worn = [], []
+        for batch in job.batches:
+            self.finish_batch(context, batch, worn)
+            report_all(self.report, batch, batch.written)
+            lost += failures(batch)
+        for sentence in lost:
+            self.report({"WARNING" if worn else "ERROR"}, sentence)
+        if not worn:
+            return {"CANCELLED"}
+        viewports.reveal_materials(context)
+        self.report({"INFO"}, translation.said("Wear in {names}").format(names=", ".join(dict.fromkeys(worn))))
+        return {"FINISHED"}
+
+    def finish_batch(self, context: bpy.types.Context, batch: Pieces, worn: list[str]) -> None:
+        """Writes the masks, and adds to the names of materials that wear; images find the wear that is there."""
+        at_vertices = isinstance(batch, VertexMasks)
+        if at_vertices:
+            batch.finish(context)
+        for piece in batch.written:
+            for key in piece.sharing if at_vertices else [piece.key]:
+                batch.attempt(piece, partial(self.wear_of, key, not at_vertices, worn))
+        if not at_vertices:
+            with wear.as_left(find(piece.key) for piece in batch.written):
+                batch.finish()
+
+    def wear_of(self, key: ObjectKey, of_images: bool, worn: list[str], _piece: Piece) -> None:
+        """Gives one object wear; adds the name of its material."""
+        target, look = find(key), self.look if self.properties.is_property_set("look") else ""
+        with modes.object_mode(target):
+            for sentence in wear.add(target, look, of_images):
+                self.report({"INFO"}, translation.said(sentence))
+        worn.append(target.active_material.name)
+
+
+class PARADESC_OT_remove_wear(bpy.types.Operator):
+    """Take wear out of the materials of the selected objects; masks stay on the mesh"""
+
+    bl_idname = "paradesc.remove_wear"
+    bl_label = "Remove Wear"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only where there is some."""
+        there = any(wear.wears(target) for target in targets.chosen(context))
+        if not there:
+            cls.poll_message_set(translation.tooltip("No material of the selected objects has wear"))
+        return there
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Gives every material back what it had."""
+        notes = [note for target in targets.chosen(context) for note in wear.remove(target)]
+        for sentence in dict.fromkeys(notes):
+            self.report({"INFO"}, translation.said(sentence))
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_add_wear, PARADESC_OT_remove_wear)

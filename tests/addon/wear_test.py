@@ -1,0 +1,479 @@
+"""Wear in one click: what the material had goes through the group, and comes back. Runs inside Blender."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from paradesc.settings import asset_library  # noqa: E402
+from paradesc.show import assets, passing, wear  # noqa: E402
+from scene import add_sphere, fingerprint, select  # noqa: E402
+from writers import node_tree  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+# A color of the user's, as 32-bit floats hold it.
+PAINT = (0.25, 0.5, 0.75, 1.0)
+SIDE = 16  # texels of baked images
+
+
+@pytest.fixture
+def target():
+    """A sphere that is fine enough for masks at its vertices."""
+    return add_sphere(steps=8)
+
+
+def user_material(name="paint", target=None):
+    """A material of the user's: an image gives its base color, a number its roughness."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    tree = material.node_tree
+    shader = shader_of(material)
+    image = tree.nodes.new("ShaderNodeTexImage")
+    tree.links.new(image.outputs["Color"], shader.inputs["Base Color"])
+    shader.inputs["Base Color"].default_value = PAINT
+    shader.inputs["Roughness"].default_value = 0.25
+    if target is not None:
+        target.data.materials.append(material)
+    return material
+
+
+def shader_of(material):
+    return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+
+def links_of(material):
+    """Every link of a material, by names."""
+    return sorted(
+        (link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.name)
+        for link in material.node_tree.links
+    )
+
+
+def everything_in(material):
+    """Nodes with what they are set to, and links."""
+    return node_tree(material.node_tree), links_of(material)
+
+
+def wear_nodes(material):
+    return passing.own_nodes(material.node_tree, wear.GROUP)
+
+
+def add_wear(**words):
+    assert bpy.ops.paradesc.add_wear(**words) == {"FINISHED"}
+
+
+# ---- In and out
+
+
+def test_what_the_material_had_goes_through_the_group_and_comes_back(target):
+    material = user_material(target=target)
+    before = everything_in(material)
+    add_wear()
+    (node,), shader = wear_nodes(material), shader_of(material)
+    for name, output in wear.PASSED.items():
+        assert shader.inputs[name].links[0].from_socket == node.outputs[output]
+    assert node.inputs["Base Color"].links[0].from_node.type == "TEX_IMAGE"
+    assert node.inputs["Roughness"].default_value == 0.25
+    masks = {name: node.inputs[name].links[0].from_node.attribute_name for name in wear.MASKS}
+    assert masks == {"Cavity": "cavity_color", "Edges": "convexity_color"}
+    assert set(masks.values()) <= set(target.data.attributes.keys())
+    assert bpy.ops.paradesc.remove_wear() == {"FINISHED"}
+    assert everything_in(material) == before
+
+
+def test_a_muted_link_stays_muted(target):
+    material = user_material(target=target)
+    shader_of(material).inputs["Base Color"].links[0].is_muted = True
+    add_wear()
+    assert wear_nodes(material)[0].inputs["Base Color"].links[0].is_muted
+    bpy.ops.paradesc.remove_wear()
+    assert shader_of(material).inputs["Base Color"].links[0].is_muted
+
+
+def test_no_node_of_the_users_moves(target):
+    material = user_material(target=target)
+    before = {node.name: tuple(node.location) for node in material.node_tree.nodes}
+    add_wear()
+    assert {name: tuple(material.node_tree.nodes[name].location) for name in before} == before
+
+
+def test_a_second_click_adds_nothing(target):
+    material = user_material(target=target)
+    add_wear()
+    once = everything_in(material), len(bpy.data.node_groups), len(bpy.data.materials)
+    add_wear()
+    assert (everything_in(material), len(bpy.data.node_groups), len(bpy.data.materials)) == once
+
+
+def test_the_panels_settings_and_library_list_stay(target):
+    user_material(target=target)
+    settings = bpy.context.scene.paradesc
+    settings.descriptors, settings.write_image = {"gaussian_curvature"}, True
+    add_wear()
+    assert settings.descriptors == {"gaussian_curvature"}
+    assert settings.write_image
+    assert len(bpy.data.libraries) == 0
+    assert not [block.name for block in (*bpy.data.materials, *bpy.data.node_groups) if block.asset_data is not None]
+
+
+def test_masks_are_grey_whatever_the_color_map_is(target):
+    user_material(target=target)
+    bpy.context.scene.paradesc_looks.color_map = "viridis"
+    add_wear()
+    colors = np.empty(4 * len(target.data.vertices), np.float32)
+    target.data.attributes["convexity_color"].data.foreach_get("color", colors)
+    colors = colors.reshape(-1, 4)[:, :3]
+    # Grey up to the rounding of 32-bit floats.
+    assert np.abs(colors - colors[:, :1]).max() < 1e-6
+
+
+def test_materials_that_objects_share_have_one_group(target):
+    material = user_material(target=target)
+    other = add_sphere("other", steps=8)
+    other.data.materials.append(material)
+    select(target, other)
+    add_wear()
+    assert len(wear_nodes(material)) == 1
+    assert all("cavity_color" in item.data.attributes for item in (target, other))
+
+
+def test_of_several_slots_the_active_one_wears(target):
+    first, second = user_material("first", target), user_material("second", target)
+    before = everything_in(first)
+    target.active_material_index = 1
+    add_wear()
+    assert everything_in(first) == before
+    assert len(wear_nodes(second)) == 1
+
+
+def test_a_material_that_the_object_itself_has_wears(target):
+    material = user_material()
+    target.data.materials.append(user_material("of the mesh"))
+    target.material_slots[0].link = "OBJECT"
+    target.material_slots[0].material = material
+    add_wear()
+    assert len(wear_nodes(material)) == 1
+    assert not wear_nodes(bpy.data.materials["of the mesh"])
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="every material has nodes since Blender 5")
+def test_a_material_without_nodes_has_none_again_afterwards(target):
+    material = bpy.data.materials.new("plain")
+    material.diffuse_color = PAINT
+    target.data.materials.append(material)
+    add_wear()
+    (node,) = wear_nodes(material)
+    assert tuple(node.inputs["Base Color"].default_value) == PAINT
+    bpy.ops.paradesc.remove_wear()
+    assert not material.use_nodes
+
+
+# ---- Without a material
+
+
+def test_objects_without_a_material_share_painted_metal_which_goes_again(target):
+    other = add_sphere("other", steps=8)
+    select(other, target)
+    before = fingerprint(target), fingerprint(other)
+    add_wear()
+    assert target.active_material == other.active_material
+    assert target.active_material.name == "Painted Metal"
+    bpy.ops.paradesc.remove_wear()
+    assert len(bpy.data.materials) == 0
+    assert len(target.material_slots) == len(other.material_slots) == 0
+    assert before[0][1] == fingerprint(target)[1]
+
+
+@pytest.mark.parametrize(("look", "name"), wear.LOOKS.items())
+def test_an_object_without_a_material_gets_the_look_that_was_chosen(target, look, name):
+    add_wear(look=look)
+    assert target.active_material.name == name
+    add_wear()
+    assert [item.name for item in bpy.data.materials] == [name]
+
+
+def test_a_look_that_was_tuned_stays(target):
+    add_wear()
+    target.active_material.node_tree.nodes[wear.GROUP].inputs["Dirt Amount"].default_value = 0.125
+    bpy.ops.paradesc.remove_wear()
+    assert target.active_material.name == "Painted Metal"
+
+
+# ---- Faces that are too large for masks at vertices
+
+
+def crate(name="crate"):
+    """A cube of six faces."""
+    bpy.context.scene.paradesc.texels = 64
+    return add_sphere(name, steps=1)
+
+
+def sources(material):
+    """The kinds of the nodes that give the masks."""
+    (node,) = wear_nodes(material)
+    return {name: node.inputs[name].links[0].from_node.type for name in wear.MASKS}
+
+
+def test_a_crate_wears_by_images_which_go_again():
+    target = crate()
+    material = user_material(target=target)
+    before = everything_in(material)
+    add_wear()
+    assert sources(material) == {"Cavity": "TEX_IMAGE", "Edges": "TEX_IMAGE"}
+    assert wear_nodes(material)[0].inputs["Base Color"].links[0].from_node.image is None  # the user's own
+    once = everything_in(material)
+    add_wear()
+    assert everything_in(material) == once
+    bpy.ops.paradesc.remove_wear()
+    assert everything_in(material) == before
+
+
+def test_crates_without_a_material_have_one_each_as_their_images_differ():
+    first, second = crate("first"), crate("second")
+    select(first, second)
+    add_wear(look="OLD_STONE")
+    assert first.active_material != second.active_material
+    for target in (first, second):
+        node = wear_nodes(target.active_material)[0].inputs["Edges"].links[0].from_node
+        assert node.image.name.startswith(target.name)
+    bpy.ops.paradesc.remove_wear()
+    assert len(bpy.data.materials) == 0
+
+
+def test_a_material_that_crates_share_has_masks_at_vertices():
+    first, second = crate("first"), crate("second")
+    material = user_material(target=first)
+    second.data.materials.append(material)
+    select(first, second)
+    add_wear()
+    assert sources(material) == {"Cavity": "ATTRIBUTE", "Edges": "ATTRIBUTE"}
+
+
+def test_a_crate_beside_a_fine_mesh_alone_gets_images(target):
+    box = crate()
+    materials = user_material("of the sphere", target), user_material("of the crate", box)
+    select(target, box)
+    add_wear()
+    assert [sources(material)["Edges"] for material in materials] == ["ATTRIBUTE", "TEX_IMAGE"]
+
+
+# ---- Looks and tuning
+
+
+@pytest.mark.parametrize("look", wear.LOOKS)
+def test_a_look_sets_what_is_not_tuned(target, look):
+    material = user_material(target=target)
+    add_wear()
+    (node,) = wear_nodes(material)
+    own = wear.values_of(node)
+    node.inputs["Dirt Level"].default_value = 0.0625
+    add_wear(look=look)
+    values = wear.values_of(node)
+    assert values == {**wear.look_values(material.node_tree, look), "Dirt Level": 0.0625}
+    assert values != {**own, "Dirt Level": 0.0625}
+    add_wear(look="AS_IS")
+    assert wear.values_of(node) == {**own, "Dirt Level": 0.0625}
+    assert [item.name for item in bpy.data.materials] == ["paint"]
+
+
+def test_wear_that_was_tuned_stays_disconnected_and_comes_back(target):
+    material = user_material(target=target)
+    before = links_of(material)
+    add_wear()
+    wear_nodes(material)[0].inputs["Edge Amount"].default_value = 0.125
+    bpy.ops.paradesc.remove_wear()
+    assert set(before) <= set(links_of(material))
+    assert shader_of(material).inputs["Base Color"].links[0].from_node.type == "TEX_IMAGE"
+    add_wear()
+    (node,) = wear_nodes(material)
+    assert node.inputs["Edge Amount"].default_value == 0.125
+    assert shader_of(material).inputs["Base Color"].links[0].from_node == node
+
+
+def test_a_mask_of_the_users_stays_linked(target):
+    material = user_material(target=target)
+    add_wear()
+    (node,) = wear_nodes(material)
+    image = next(item for item in material.node_tree.nodes if item.type == "TEX_IMAGE")
+    material.node_tree.links.new(image.outputs["Alpha"], node.inputs["Edges"])
+    add_wear()
+    assert node.inputs["Edges"].links[0].from_node == image
+    bpy.ops.paradesc.remove_wear()
+    assert image.name in material.node_tree.nodes
+
+
+def test_wear_whose_masks_other_nodes_use_stays_with_a_sentence(target):
+    material = user_material(target=target)
+    add_wear()
+    (node,) = wear_nodes(material)
+    material.node_tree.links.new(node.outputs["Dirt"], shader_of(material).inputs["Alpha"])
+    before = links_of(material)
+    (sentence,) = wear.remove(target)
+    assert "Dirt" in sentence
+    assert links_of(material) == before
+
+
+# ---- What stands in the way
+
+
+def linked_target(tmp_path):
+    """An object of another file, linked."""
+    made = add_sphere("from elsewhere", steps=8)
+    user_material("theirs", made)
+    path = tmp_path / "library.blend"
+    bpy.data.libraries.write(str(path), {made})
+    bpy.data.objects.remove(made)
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.objects = ["from elsewhere"]
+    bpy.context.collection.objects.link(wanted.objects[0])
+    select(wanted.objects[0])
+    return wanted.objects[0]
+
+
+def test_a_linked_object_is_one_sentence(tmp_path):
+    target = linked_target(tmp_path)
+    with pytest.raises(RuntimeError, match="linked"):
+        bpy.ops.paradesc.add_wear()
+    assert not wear_nodes(target.active_material)
+
+
+def test_beside_a_linked_object_the_others_wear(tmp_path):
+    linked, target = linked_target(tmp_path), add_sphere(steps=8)
+    material = user_material(target=target)
+    select(linked, target)
+    add_wear()
+    assert len(wear_nodes(material)) == 1
+    assert not wear_nodes(linked.active_material)
+
+
+def test_a_material_without_a_principled_shader_is_one_sentence_and_bakes_nothing(target):
+    material = user_material(target=target)
+    material.node_tree.nodes.remove(shader_of(material))
+    before = everything_in(material)
+    with pytest.raises(RuntimeError, match="no Principled BSDF"):
+        bpy.ops.paradesc.add_wear()
+    assert everything_in(material) == before
+    assert "cavity" not in target.data.attributes
+
+
+def test_there_is_nothing_to_remove_where_nothing_wears(target):
+    user_material(target=target)
+    with pytest.raises(RuntimeError, match="has wear"):
+        bpy.ops.paradesc.remove_wear()
+
+
+# ---- Values
+
+
+def baked(target, material, cavity, edges, output="Color", **inputs):
+    """(texels, 3) what the wear of a material gives where the masks have these values, by a bake of Cycles."""
+    for name, value in (("cavity_color", cavity), ("convexity_color", edges)):
+        content = np.tile(np.array([value, value, value, 1.0], np.float32), len(target.data.vertices))
+        target.data.attributes[name].data.foreach_set("color", content)
+    tree, (node,) = material.node_tree, wear_nodes(material)
+    for name, value in inputs.items():
+        node.inputs[name.replace("_", " ")].default_value = value
+    emission = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(node.outputs[output], emission.inputs["Color"])
+    image = tree.nodes.new("ShaderNodeTexImage")
+    image.image = bpy.data.images.new("baked", SIDE, SIDE, float_buffer=True)
+    tree.nodes.active = image
+    tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 4
+    scene.cycles.use_denoising = False
+    scene.render.bake.margin, scene.render.bake.margin_type = SIDE, "EXTEND"
+    bpy.ops.object.bake(type="EMIT")
+    return np.array(image.image.pixels[:], np.float32).reshape(-1, 4)[:, :3]
+
+
+@pytest.mark.parametrize(
+    ("cavity", "edges", "source"),
+    [(0.0, 0.0, "Base Color"), (1.0, 0.0, "Dirt Color"), (0.0, 1.0, "Edge Color")],
+    ids=["flat", "hollow", "edge"],
+)
+def test_hollows_have_the_color_of_dirt_and_edges_that_of_wear(target, cavity, edges, source):
+    material = bpy.data.materials.new("paint")
+    material.use_nodes = True
+    shader_of(material).inputs["Base Color"].default_value = PAINT
+    target.data.materials.append(material)
+    add_wear(look="OLD_STONE")
+    whole = {"Dirt_Amount": 1.0, "Edge_Amount": 1.0, "Noise_Breakup": 0.0}
+    color = baked(target, material, cavity, edges, **whole).mean(axis=0)
+    expected = wear_nodes(material)[0].inputs[source].default_value[:3]
+    np.testing.assert_allclose(color, expected, atol=2e-3)  # the image has half floats at least
+
+
+def test_own_colors_darken_in_hollows_and_brighten_at_edges(target):
+    material = bpy.data.materials.new("paint")
+    material.use_nodes = True
+    shader_of(material).inputs["Base Color"].default_value = PAINT
+    target.data.materials.append(material)
+    add_wear()
+    flat, hollow, edge = (baked(target, material, *masks).mean(axis=0) for masks in ((0, 0), (1, 0), (0, 1)))
+    np.testing.assert_allclose(flat, PAINT[:3], atol=2e-3)
+    assert (hollow < 0.5 * flat).all()
+    assert (edge > flat).all()
+
+
+def test_noise_breaks_up_a_mask_of_one_value(target):
+    material = user_material(target=target)
+    add_wear(look="PAINTED_METAL")
+    found = baked(target, material, 0.0, 0.24, "Wear")
+    assert found.min() < 0.2  # a texel is a mean of some noise
+    assert found.max() > 0.8
+    even = baked(target, material, 0.0, 0.24, "Wear", Noise_Breakup=0.0)
+    assert np.ptp(even) < 1e-3  # half floats
+
+
+# ---- Assets
+
+
+def listed():
+    """The assets of the add-on's file, each with kind and name."""
+    with bpy.data.libraries.load(str(asset_library.FILE), assets_only=True) as (there, _):
+        return {("node_groups", name) for name in there.node_groups} | {("materials", name) for name in there.materials}
+
+
+def test_the_file_of_assets_has_looks_and_groups_and_is_small():
+    names = {name for _, name in listed()}
+    assert {*wear.LOOKS.values(), wear.GROUP, "Curvature", "Paradesc Cavity"} <= names
+    assert asset_library.FILE.stat().st_size < 300_000
+
+
+def test_assets_are_described_in_a_catalog_that_is_there_and_have_thumbnails():
+    catalogs = (asset_library.FOLDER / "blender_assets.cats.txt").read_text()
+    with bpy.data.libraries.load(str(asset_library.FILE), link=True, assets_only=True) as (there, wanted):
+        wanted.node_groups, wanted.materials = there.node_groups, there.materials
+    for block in (*wanted.node_groups, *wanted.materials):
+        data = block.asset_data
+        assert data.description.endswith("."), block.name
+        assert len(data.tags) > 0
+        assert f"{data.catalog_id}:Paradesc:" in catalogs
+        preview = block.preview
+        assert preview is not None, block.name
+        assert min(preview.image_size) >= 128
+        pixels = np.array(preview.image_pixels_float[:]).reshape(-1, 4)
+        assert pixels[:, 3].max() > 0.9
+        assert np.ptp(pixels[:, :3]) > 0.2  # no even square
+
+
+def test_curvature_has_the_sockets_of_blenders_own_node():
+    group = assets.append("node_groups", "Curvature")
+    node = bpy.data.materials.new("any")
+    node.use_nodes = True
+    made = node.node_tree.nodes.new("ShaderNodeGroup")
+    made.node_tree = group
+    assert [socket.name for socket in made.inputs] == ["Radius", "Bias"]
+    assert [socket.name for socket in made.outputs] == ["Curvature", "Convexity", "Concavity", "Both"]
+
+
+def test_the_asset_browser_gets_the_folder_only_when_asked_and_loses_it_again():
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    before = [one.path for one in libraries]
+    assert asset_library.place() < 0
+    assert bpy.ops.paradesc.asset_library() == {"FINISHED"}
+    assert libraries[asset_library.place()].name == "Paradesc"
+    assert bpy.ops.paradesc.asset_library() == {"FINISHED"}
+    assert [one.path for one in libraries] == before
