@@ -15,24 +15,15 @@ PACKAGE = ADDON / "paradesc"
 # The folders of what people meet in Blender.
 FOLDERS = ("core", "settings", "scene", "bake", "animation", "show", "ui")
 # English stays what is said on the command line and in Python alone, or before the catalogs are there; so do sentences
-# that are put together of parts by the rules of English: of faults of the mesh, of UV maps and of texels.
+# that have English words in their places.
 ENGLISH = {
     *("core/compare", "core/corners", "core/packing", "core/polygons", "core/stream", "core/tangents"),
-    *("core/mesh_faults", "core/uv_faults", "core/udim", "core/transfer", "core/texel_tiles"),
     *("scene/scene_io", "scene/unwrap", "ui/failure"),
 }
 PARTS = {
-    "The mesh {0}; {1}{2}.",
-    "{0} chart",
-    "Blender unwrapped a copy of it into {0} for the computation",
+    "Images of {0} × {1} texels from high to low need about {2} GB of memory, and ",
+    "{0} GB may be used ({1}); ",
     "The {0} {1} no effect on the processor, which needs neither.",
-    'The object "{0}" is scaled differently along its axes, but was measured without its scale; ',
-    "{0}{1}, or apply the scale.",
-    '"{0}" is no image that a bake of "{1}" has left like this, and stays as it is: ',
-    '{0}the texture is "{1}".',
-    'The mesh "{0}" {1}; unwrap it (U in edit mode).',
-    'The mesh {0}: Smart UV Project made "{1}", and the image lies over it.{2}',
-    'The mesh {0}: the image lies over "{1}", of an earlier bake.{2}',
     "The {0} has no path; give one under Output.",
     "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
 }
@@ -45,7 +36,7 @@ NO_TEXTS = {
 CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}
 DRAWN = {"text", "heading"}
 # Signs of a sentence, or of a text that format() fills: a later word that is small, or a place in braces.
-SENTENCE = re.compile(r'["“–A-Z{].*? [a-z]{2,}')
+SENTENCE = re.compile(r'(["“–A-Z{]|has |its |the |measure |; ).*? [a-z]{2,}|has [a-z]+')
 PLACE = re.compile(r"\{[^}]*\}")
 # And of a label, in the folders where such words are not the names of nodes and sockets.
 LABEL = re.compile("[A-Z][a-z]+( ([A-Z][a-z]+|of|to|with))*")

@@ -85,6 +85,12 @@ def test_sentences_with_names_in_them_are_found_by_what_stands_around():
     assert translation.matched(template) is None
 
 
+def test_sentences_within_sentences_are_translated_and_names_in_quotes_are_not():
+    marked = {"Change of {0}": "<{0}>", "Cavity": "C", 'Normals are those of "{0}".': '"{0}"!'}
+    assert translation.translated("Change of Cavity", lambda text, _: marked.get(text, text)) == "<C>"
+    assert translation.translated('Normals are those of "Cavity".', lambda text, _: marked.get(text, text)) == '"Cavity"!'
+
+
 def test_catalogs_that_are_missing_or_broken_leave_english(monkeypatch, tmp_path):
     monkeypatch.setattr(translation, "FOLDER", tmp_path)
     (tmp_path / "de.json").write_text("{", encoding="utf-8")

@@ -6,6 +6,7 @@ button of four. Blender itself looks up every label and tooltip that is handed t
 
 import json
 import re
+from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -30,23 +31,35 @@ look_up_report = getattr(bpy.app.translations, "pgettext_rpt", look_up_tooltip)
 
 def label(text: str) -> str:
     """A label or a sentence in the language of the interface; format() fills its braces afterwards."""
-    return look_up(text, CONTEXT) if matched(text) is None else filled(text, look_up)
+    return translated(text, look_up)
 
 
 def said(sentence: str) -> str:
     """A sentence that an operator reports, in the language of reports; format() fills its braces afterwards."""
-    return look_up_report(sentence, CONTEXT) if matched(sentence) is None else filled(sentence, look_up_report)
+    return translated(sentence, look_up_report)
 
 
 def tooltip(text: str) -> str:
     """A tooltip, or a reason why a button is grey, in the language of tooltips."""
-    return look_up_tooltip(text, CONTEXT) if matched(text) is None else filled(text, look_up_tooltip)
+    return translated(text, look_up_tooltip)
 
 
-def filled(sentence: str, look: object) -> str:
-    """The translation of a sentence that has names and numbers in it already, with the same in their places."""
+def filled(sentence: str, look: Callable[[str, str], str]) -> str:
+    """The translation of a sentence that has names and numbers in it already, with the same in their places.
+
+    Places may hold sentences and labels, which are translated too; what stands in quotes is a name.
+    """
     template, parts = matched(sentence)
-    return look(template, CONTEXT).format(*parts)
+    shown = [
+        part if f'"{{{number}}}"' in template or not any(map(str.isalpha, part)) else translated(part, look)
+        for number, part in enumerate(parts)
+    ]
+    return look(template, CONTEXT).format(*shown)
+
+
+def translated(text: str, look: Callable[[str, str], str]) -> str:
+    """A text by one of Blender's dictionaries."""
+    return look(text, CONTEXT) if matched(text) is None else filled(text, look)
 
 
 @lru_cache(maxsize=4096)
@@ -63,7 +76,7 @@ def matched(sentence: str) -> tuple[str, tuple[str, ...]] | None:
 def templates() -> list[tuple[str, re.Pattern[str]]]:
     """The texts of the catalogs with numbered places, the most particular first, and what their sentences are like."""
     known = {text for name in LANGUAGES for text in catalog(name) if HOLE.search(text)}
-    patterns = {text: re.compile("(.+)".join(map(re.escape, HOLE.split(text))), re.DOTALL) for text in known}
+    patterns = {text: re.compile("(.*)".join(map(re.escape, HOLE.split(text))), re.DOTALL) for text in known}
     return sorted(patterns.items(), key=lambda row: (-len(HOLE.sub("", row[0])), row[0]))
 
 
