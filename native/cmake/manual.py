@@ -11,6 +11,7 @@ from pathlib import Path
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 FIRST, CHANGES = "README", "CHANGELOG"
+PICTURES = {".png", ".jpg", ".gif"}
 STYLE = """
 body { max-width: 60rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 system-ui, sans-serif; }
 body { color: #222; background: #fff; }
@@ -38,7 +39,7 @@ def write_manual(folder: Path, addon: Path = ADDON) -> None:
     """Fills a new folder with the pages and their pictures."""
     folder.mkdir(parents=True)
     pictures = addon / "manual" / "pictures"
-    for path in pictures.rglob("*.png"):
+    for path in (path for path in pictures.rglob("*") if path.suffix in PICTURES):
         target = folder / "pictures" / path.relative_to(pictures)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, target)

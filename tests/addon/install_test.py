@@ -259,7 +259,8 @@ def test_zips_hold_the_addon_and_nothing_else(packed):
 def names_of_the_manual():
     """Every page and picture, as web pages where the Python package that makes them is there."""
     pictures = ADDON / "manual" / "pictures"
-    names = {f"manual/pictures/{path.relative_to(pictures)}" for path in pictures.rglob("*.png")}
+    shown = [path for ending in ("png", "jpg", "gif") for path in pictures.rglob(f"*.{ending}")]
+    names = {f"manual/pictures/{path.relative_to(pictures)}" for path in shown}
     pages = {path.stem for path in (ADDON / "manual").glob("*.md")} | {"CHANGELOG"}
     if find_spec("markdown") is None:
         return names | {f"manual/{page}.md" for page in pages}

@@ -6,70 +6,56 @@ box in few faces and in many.
 
 import math
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import bmesh
 import bpy
 import numpy as np
-import renders
-import subjects
-from mathutils import Vector
-
-from paradesc.files import lettering, png
+import studio
+from PIL import Image
+from studio import View
 
 BUNNY = Path(__file__).resolve().parents[4] / "shared" / "meshes" / "stanford-bunny.obj"
 # Where Pointiness is black, the grey that a screen shows halfway, and white; flat surfaces have 0.5.
 RAMP = ((0.45, 0.0), (0.5, 0.214), (0.55, 1.0))
-COLUMNS = ("dirty vertex colors", "pointiness", "paradesc")
+COLUMNS = ("Dirty Vertex Colors", "Pointiness", "Paradesc")
+SIZE, SAMPLES = (620, 480), 24
 TURNS = {"monkey": (-12, 0, 20), "box": (0, 0, 32), "bunny": (90, 0, 0)}
 DIVISIONS = (2, 3, 4)  # of the box, so that its flat faces have vertices; each makes four faces of one
 SHOWN = 3  # the divisions of the box in the picture
-HEAD, MARGIN = 28, 0.12  # the height of the titles; how far the camera steps back, in lengths of the object
 
 
-def render_beside(path: str) -> None:
+def draw_beside(path: str) -> None:
     """Every asset in a row, every mask in a column."""
     rows = {"monkey": make_monkey, "box": make_box}
     if BUNNY.is_file():
         rows["bunny"] = read_bunny
     else:
         sys.stdout.write(f"The bunny is left out: there is no {BUNNY.name} in shared/meshes beside the checkout.\n")
-    width, height = renders.WIDTH, renders.HEIGHT
-    image = np.full((HEAD + len(rows) * height, len(COLUMNS) * width, 3), renders.NIGHT, np.uint8)
-    for column, words in enumerate(COLUMNS):
-        middle = column * width + (width - lettering.text_width(words, 2)) // 2
-        lettering.draw_text(image, words, middle, 7, 2, renders.WORDS)
-    subjects.empty()
-    renders.set_up(width, height, 32, clear=True)
-    with tempfile.TemporaryDirectory() as folder:
-        for row, (name, make) in enumerate(rows.items()):
-            tiles = masked(make(), name, folder)
-            image[HEAD + row * height :][:height] = np.concatenate(tiles, axis=1)
-        for divisions in DIVISIONS:
-            print_spread(masked(make_box(divisions), "box", folder), divisions)
+    studio.clear()
+    tiles = [tile for name, make in rows.items() for tile in masked(make(), name)]
+    for divisions in DIVISIONS:
+        print_spread(masked(make_box(divisions), "box"), divisions)
     print_without_creases()
-    png.write_png(Path(path), image)
+    studio.save(studio.sheet(tiles, COLUMNS * len(rows), len(COLUMNS)), path)
 
 
-def masked(item: bpy.types.Object, name: str, folder: str) -> list[np.ndarray]:
-    """(HEIGHT, WIDTH, 3) uint8 for each mask: an object rendered with it; then the object is removed."""
+def masked(item: bpy.types.Object, name: str) -> list[Image.Image]:
+    """An object with each mask, without light or shade; then the object is removed."""
     item.name, tiles = name, []
     item.rotation_euler = [math.radians(turn) for turn in TURNS[name]]
-    aim(item)
     for mask in (paint_dirt, show_pointiness, bake_curvature):
         mask(item)
-        file = str(Path(folder) / f"{name}.png")
-        renders.render(file)
-        tiles.append(renders.over_night(file))
+        tiles.append(studio.tile([item], SIZE, View(0, 32 if name == "box" else 6), SAMPLES, lit=False))
     bpy.data.objects.remove(item)
     return tiles
 
 
-def print_spread(tiles: list[np.ndarray], divisions: int) -> None:
-    """Prints the standard deviation of each mask's grey; the ground is left out, because it is not grey."""
-    spreads = [tile[tile[..., 0] == tile[..., 2]][:, 0].std() for tile in tiles]
+def print_spread(tiles: list[Image.Image], divisions: int) -> None:
+    """Prints the standard deviation of each mask's grey on the box."""
+    greys = [np.asarray(tile)[..., 0] for tile in tiles]
+    spreads = [grey[grey != studio.GROUND[0]].std() for grey in greys]
     words = ", ".join(f"{name} {spread:.1f}" for name, spread in zip(COLUMNS, spreads, strict=True))
     sys.stdout.write(f"The grey of the box, divided {divisions} times, spreads by, of 255: {words}\n")
 
@@ -139,18 +125,6 @@ def read_bunny() -> bpy.types.Object:
     return bpy.context.active_object
 
 
-def aim(item: bpy.types.Object) -> None:
-    """Places the camera so that the object fills the picture."""
-    camera = bpy.context.scene.camera
-    camera.rotation_euler = (math.radians(58 if item.name == "box" else 84), 0, 0)
-    graph = bpy.context.evaluated_depsgraph_get()
-    shown = item.evaluated_get(graph)
-    places = [value for vertex in shown.data.vertices for value in shown.matrix_world @ vertex.co]
-    place, _scale = camera.camera_fit_coords(graph, places)
-    back = camera.rotation_euler.to_matrix() @ Vector((0, 0, 1))
-    camera.location = place + MARGIN * item.dimensions.length * back
-
-
 # ---- Masks
 
 
@@ -159,13 +133,13 @@ def paint_dirt(item: bpy.types.Object) -> None:
     begin = time.perf_counter()
     bpy.ops.paint.vertex_color_dirt()
     print_time(item, "Dirty Vertex Colors", begin)
-    node = emitted(item, "ShaderNodeVertexColor", "Color")
+    node = studio.emit(item, "ShaderNodeVertexColor")
     node.layer_name = item.data.color_attributes[0].name
 
 
 def show_pointiness(item: bpy.types.Object) -> None:
     """Pointiness through a Color Ramp."""
-    ramp = emitted(item, "ShaderNodeValToRGB", "Color")
+    ramp = studio.emit(item, "ShaderNodeValToRGB")
     ramp.color_ramp.elements.new(0.5)
     for element, (place, tone) in zip(ramp.color_ramp.elements, RAMP, strict=True):
         element.position, element.color = place, (tone, tone, tone, 1)
@@ -174,31 +148,18 @@ def show_pointiness(item: bpy.types.Object) -> None:
 
 
 def bake_curvature(item: bpy.types.Object) -> None:
-    """Paradesc's mean curvature with its default settings but for the color map, cavity."""
+    """Paradesc's mean curvature at a radius of 2 %, in the color map cavity."""
     scene = bpy.context.scene
+    scene.paradesc.radius_percent = 2.0
     scene.paradesc.descriptors, scene.paradesc_looks.color_map = {"mean_curvature"}, "cavity"
     item.data.materials.clear()
     begin = time.perf_counter()
     bpy.ops.paradesc.bake()
     print_time(item, "Paradesc", begin)
-    bpy.ops.paradesc.make_material(kind="flat")
+    studio.show_color(item, "mean_curvature_color")
 
 
 def print_time(item: bpy.types.Object, tool: str, begin: float) -> None:
     """Prints how long a mask took."""
     seconds = time.perf_counter() - begin
     sys.stdout.write(f"{item.name}, {len(item.data.vertices)} vertices: {tool} took {seconds:.2f} s\n")
-
-
-def emitted(item: bpy.types.Object, kind: str, output: str) -> bpy.types.Node:
-    """A node whose output the object's only material emits, without light or shade."""
-    material = bpy.data.materials.new("mask")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    node, light, end = (tree.nodes.new(name) for name in (kind, "ShaderNodeEmission", "ShaderNodeOutputMaterial"))
-    tree.links.new(node.outputs[output], light.inputs["Color"])
-    tree.links.new(light.outputs["Emission"], end.inputs["Surface"])
-    item.data.materials.clear()
-    item.data.materials.append(material)
-    return node

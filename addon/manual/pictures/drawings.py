@@ -1,6 +1,5 @@
-"""Pictures that the command line draws, or numpy alone: descriptors, radii, frames, color maps."""
+"""Pictures that the command line draws, or numpy alone: descriptors, creases, color maps."""
 
-import sys
 from pathlib import Path
 
 import bpy
@@ -34,7 +33,8 @@ def draw_descriptors(folder: str) -> None:
 
 def lines_along(name: str) -> np.ndarray:
     """The monkey with short lines along a direction, at vertices that lie apart."""
-    made = subjects.baked_monkey(name)
+    bpy.context.scene.paradesc.radius_percent = subjects.RADIUS_PERCENT
+    made = subjects.baked(subjects.monkey(), name)
     mesh, matrix = made.data, np.array(made.matrix_world)
     points = np.array([vertex.co for vertex in mesh.vertices]) @ matrix[:3, :3].T + matrix[:3, 3]
     normals = np.array([vertex.normal for vertex in mesh.vertices]) @ matrix[:3, :3].T
@@ -63,38 +63,17 @@ def spread_out(points: np.ndarray, along: np.ndarray) -> np.ndarray:
     return np.array(chosen)
 
 
-def draw_radii(path: str) -> None:
-    """The monkey's mean curvature at three radii."""
-    made = subjects.monkey()
-    pictures = [subjects.drawn(made, "--radius", str(radius)) for radius in (0.01, 0.03, 0.09)]
-    png.write_png(Path(path), np.concatenate(pictures, axis=1))
-
-
 def draw_creases(path: str) -> None:
-    """Mean curvature of a machine part and of the monkey without and with creases, each in one range of colors."""
+    """Mean curvature of a machine part and of a helmet without and with creases, each in one range of colors."""
     rows = []
     for make, *words in (
         (subjects.machine_part, "--radius", "0.04", "--range=-6:6"),
-        (subjects.monkey, "--radius", "0.03", "--range=-8:8"),
+        (subjects.helmet, "--radius", "0.02", "--range=-12:12"),
     ):
         made = make()
         pictures = [subjects.drawn(made, *words, "--creases", choice) for choice in ("none", "auto")]
         rows.append(np.concatenate(pictures, axis=1))
     png.write_png(Path(path), np.concatenate(rows))
-
-
-def draw_frames(path: str) -> None:
-    """The bending tube of the samples at three frames, with one range of colors."""
-    sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
-    import make_samples
-
-    made = make_samples.make("04_armature_cylinder")
-    pictures = []
-    for frame in (1, 6, 12):
-        bpy.context.scene.frame_set(frame)
-        words = ("--descriptors", "gaussian_curvature", "--range=-2:2", "--source", "deformed")
-        pictures.append(subjects.drawn(made, *words))
-    png.write_png(Path(path), np.concatenate(pictures, axis=1))
 
 
 def draw_maps(path: str) -> None:
@@ -107,3 +86,6 @@ def draw_maps(path: str) -> None:
         image[top : top + height, left:] = colors
         lettering.draw_text(image, row.name, 6, top + 5, 1, (60, 60, 60))
     png.write_png(Path(path), image)
+
+
+KINDS = {"descriptors": draw_descriptors, "creases": draw_creases, "maps": draw_maps}

@@ -1,4 +1,4 @@
-"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND PLACE, kinds as in KINDS and STEPS."""
+"""Draws one picture of the manual inside Blender, for make.sh: make.py [--] KIND PLACE."""
 
 import sys
 import traceback
@@ -9,30 +9,6 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import addon  # noqa: F401 (first, see there)
-import beside
-import drawings
-import onto
-import pages
-import renders
-
-import window
-
-KINDS = {
-    "hero": renders.render_hero,
-    "cavity": renders.render_cavity,
-    "descriptors": drawings.draw_descriptors,
-    "radii": drawings.draw_radii,
-    "creases": drawings.draw_creases,
-    "frames": drawings.draw_frames,
-    "maps": drawings.draw_maps,
-    "beside": beside.render_beside,
-    "onto": onto.render_onto,
-    "presets": pages.draw_presets,
-    "textures": pages.draw_textures,
-    "export": pages.draw_export,
-    "trouble": pages.draw_trouble,
-}
-STEPS = {"legend": window.legend_steps, "panel": window.panel_steps, "sculpting": window.sculpting_steps}
 
 
 def turn(iterator: Iterator[None]) -> float | None:
@@ -50,14 +26,21 @@ def turn(iterator: Iterator[None]) -> float | None:
 
 
 def main() -> None:
-    """The picture that was asked for."""
-    kind, place = sys.argv[sys.argv.index("--") + 1 :]
-    if kind in KINDS:
-        KINDS[kind](place)
+    """The picture that was asked for: in the window that is there, or by a render."""
+    kind, place = sys.argv[-2:]
+    if bpy.app.background:
+        import beside
+        import drawings
+        import shots
+
+        drawn = {**shots.KINDS, **drawings.KINDS, "beside": beside.draw_beside}
+        drawn[kind](place)
         return
+    import window
+
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.smooth_view = 0
-    iterator = STEPS[kind](place)
+    iterator = window.STEPS[kind](place)
     bpy.app.timers.register(lambda: turn(iterator), first_interval=1.0)
 
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# Draws the pictures of the manual with the Blender that is installed: some in a window on a screen that nobody sees, some by a render.
+# Draws the pictures of the manual: some in a window of the Blender that is installed, on a screen that nobody sees, most as a render
+# of the environment that blend_samples/bake.sh makes. All of them take a quarter of an hour on two cores.
 # The kind panel leaves first_mask.png, too, and fails unless one click shows a grey mask and the panel fits a screen.
-# Usage: bash addon/manual/pictures/make.sh [FOLDER] [KIND...], KIND: legend panel hero cavity descriptors radii creases frames maps beside onto sculpting presets textures export trouble
+# Usage: bash addon/manual/pictures/make.sh [FOLDER] [KIND...], KIND: one of the names below
 set -euo pipefail
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$(mkdir -p "${1:-$folder}/descriptors" && cd "${1:-$folder}" && pwd)
+python=$folder/../../../.venv/bin/python
 [ $# -eq 0 ] || shift
-declare -A places=([maps]=color_maps.png [descriptors]=descriptors)
+declare -A places=([maps]=color_maps.png [descriptors]=descriptors [creases]=creases.png [live]=live.gif)
 
 # in_window WIDTH HEIGHT KIND OPTION...
 in_window() {
@@ -17,12 +19,12 @@ in_window() {
 }
 
 kinds=("$@")
-[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel hero cavity descriptors radii creases frames maps beside onto sculpting presets textures export trouble)
+[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel sculpting maps descriptors creases hero masks radii looks low_poly onto textures export presets trouble live beside)
 for kind in "${kinds[@]}"; do
   case $kind in
     legend) in_window 720 520 legend ;;
     sculpting) in_window 720 520 sculpting ;;
     panel) in_window 1000 900 panel --enable-event-simulate ;;
-    *) timeout 600 blender -b --factory-startup --python-exit-code 1 -P "$folder/make.py" -- "$kind" "$output/${places[$kind]:-$kind.png}" ;;
+    *) timeout 1200 "$python" "$folder/make.py" "$kind" "$output/${places[$kind]:-$kind.jpg}" ;;
   esac
 done

@@ -1,6 +1,7 @@
-"""What the manual's pictures show, Blender's monkey and a rounded box, and how the command line draws one."""
+"""What pictures of windows and of the command line show, and how the command line draws one."""
 
 import math
+import sys
 import tempfile
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,9 @@ import screen
 
 from paradesc.commands.main import main as run
 from paradesc.files import picture
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
+import models
 
 RADIUS_PERCENT, BUFFER = 2.5, 1024
 BACKGROUND = round(255 * picture.BACKGROUND)
@@ -23,25 +27,31 @@ def empty() -> None:
         bpy.data.objects.remove(item)
 
 
-def subdivided(levels: int, applied: bool = True) -> bpy.types.Object:
-    """The active object, smooth, with that many levels of subdivision."""
-    made = bpy.context.active_object
-    bpy.ops.object.shade_smooth()
-    if levels:
-        made.modifiers.new("subdivision", "SUBSURF").levels = levels
-        if applied:
-            bpy.ops.object.modifier_apply(modifier="subdivision")
-    return made
-
-
-def monkey(levels: int = 2, applied: bool = True) -> bpy.types.Object:
-    """Blender's monkey, subdivided."""
+def monkey() -> bpy.types.Object:
+    """Blender's monkey, subdivided twice."""
     empty()
     bpy.ops.mesh.primitive_monkey_add()
-    made = subdivided(levels, applied)
+    made = bpy.context.active_object
+    bpy.ops.object.shade_smooth()
+    made.modifiers.new("subdivision", "SUBSURF").levels = 2
+    bpy.ops.object.modifier_apply(modifier="subdivision")
     made.name = "Suzanne"
     made.rotation_euler = (math.radians(-12), 0, math.radians(20))
     return made
+
+
+def creature(step: float = 0.016) -> bpy.types.Object:
+    """A goblin's bust."""
+    empty()
+    made = models.creature(step)
+    made.rotation_euler = (0, 0, math.radians(14))
+    return made
+
+
+def helmet() -> bpy.types.Object:
+    """A helmet."""
+    empty()
+    return models.helmet()
 
 
 def rounded_box() -> bpy.types.Object:
@@ -108,12 +118,10 @@ def machine_part() -> bpy.types.Object:
     return made
 
 
-def baked_monkey(*descriptors: str) -> bpy.types.Object:
-    """The monkey with these descriptors as attributes and colors, by the panel's button."""
-    made = monkey()
+def baked(made: bpy.types.Object, *descriptors: str) -> bpy.types.Object:
+    """The active object with these descriptors as attributes and colors, by the panel's button."""
     settings = bpy.context.scene.paradesc
-    settings.descriptors = set(descriptors)
-    settings.radius_percent, settings.buffer_size = RADIUS_PERCENT, BUFFER
+    settings.descriptors, settings.buffer_size = set(descriptors), BUFFER
     bpy.ops.paradesc.bake()
     return made
 
