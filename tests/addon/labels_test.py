@@ -57,7 +57,8 @@ def test_labels_of_settings_operators_and_panels_are_in_title_case():
 def test_tooltips_begin_as_sentences_and_end_without_a_full_stop():
     shown = [(name, field.description) for name, field in fields()]
     shown += [(name, item.description) for name, item in items()]
-    shown += [(cls.__name__, (cls.__doc__ or "").strip()) for cls in texts.classes() if issubclass(cls, bpy.types.Operator)]
+    operators = [cls for cls in texts.classes() if issubclass(cls, bpy.types.Operator)]
+    shown += [(cls.__name__, (cls.__doc__ or "").strip()) for cls in operators]
     assert [f"{name}: {text}" for name, text in shown if not is_tooltip(text)] == []
 
 

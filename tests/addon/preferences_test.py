@@ -54,10 +54,10 @@ class Drawn:
     def prop(self, preferences, name):
         self.texts.append(preferences.bl_rna.properties[name].name)
 
-    def label(self, text):
+    def label(self, text, **_options):
         self.texts.append(text)
 
-    def operator(self, _name, text, icon):
+    def operator(self, _name, text, icon, **_options):
         self.texts.append(text)
         self.addresses.append(asked := SimpleNamespace(url="", icon=icon))
         return asked

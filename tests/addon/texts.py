@@ -8,6 +8,7 @@ import bpy
 
 import paradesc
 from paradesc import bridge
+from paradesc.scene import targets
 from paradesc.settings import research
 from shapes import ADDON
 
@@ -123,7 +124,7 @@ def literals(tree, folder):
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
             if name.endswith("Property") or name == "member":
                 silent.update(part for word in node.keywords for part in ast.walk(word.value))
-            given = [*(node.args if name in CALLS else ()), *(word.value for word in node.keywords if word.arg in DRAWN)]
+            given = [word.value for word in node.keywords if word.arg in DRAWN] + node.args * (name in CALLS)
             shown.update(part for value in given for part in choices_of(value))
     for node in ast.walk(tree):
         text = "" if node in silent else text_of(node)
@@ -158,4 +159,7 @@ def collected():
                 found.setdefault(text, []).append(where)
     for row in bridge.descriptors():
         found.setdefault(row.label, []).append("registry")
+    kinds = bpy.types.Object.bl_rna.properties["type"].enum_items
+    for kind in targets.CONVERTIBLE:
+        found.setdefault(kinds[kind].name, []).append("scene/targets.py")
     return found

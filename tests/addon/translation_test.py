@@ -1,4 +1,4 @@
-"""The catalogs: each language has every text that users see, and no other; Blender looks all of it up in our context."""
+"""The catalogs: each language has every text that users see, and no other, and Blender looks them up in our context."""
 
 import re
 
@@ -25,7 +25,7 @@ INTERNATIONAL = pytest.mark.skipif(
 
 @pytest.fixture
 def in_language():
-    """Switches the interface to a language, by any of the names that Blender has had for it; back to English at the end."""
+    """Switches the interface to a language, by any of the names that Blender has had for it; English at the end."""
     view = bpy.context.preferences.view
 
     def switch(*names):
@@ -72,23 +72,28 @@ def test_blender_looks_labels_up_in_our_context():
         if hasattr(cls, "bl_label"):
             assert texts.rna_of(cls).translation_context == translation.CONTEXT, cls
     if translation.HAS_CONTEXT:
-        wrong = [f"{cls}.{name}" for cls, name, field in texts.fields() if field.translation_context != translation.CONTEXT]
-        assert wrong == []
+        contexts = {field.translation_context for _, _, field in texts.fields()}
+        assert contexts == {translation.CONTEXT}
 
 
 def test_sentences_with_names_in_them_are_found_by_what_stands_around():
     sentence = 'The mesh "The mesh "Cube"" is linked from another file; make it local first.'
     template = 'The mesh "{0}" is linked from another file; make it local first.'
     assert translation.matched(sentence) == (template, ('The mesh "Cube"',))
-    assert translation.filled(sentence, lambda text, _context: text.replace("The mesh", "Das")).startswith('Das "The mesh')
+    shown = translation.filled(sentence, lambda text, _context: text.replace("The mesh", "Das"))
+    assert shown.startswith('Das "The mesh "Cube""')
     assert translation.matched("The mesh is linked from another file; make it local first.") is None
     assert translation.matched(template) is None
 
 
 def test_sentences_within_sentences_are_translated_and_names_in_quotes_are_not():
     marked = {"Change of {0}": "<{0}>", "Cavity": "C", 'Normals are those of "{0}".': '"{0}"!'}
-    assert translation.translated("Change of Cavity", lambda text, _: marked.get(text, text)) == "<C>"
-    assert translation.translated('Normals are those of "Cavity".', lambda text, _: marked.get(text, text)) == '"Cavity"!'
+
+    def look(text, _context):
+        return marked.get(text, text)
+
+    assert translation.translated("Change of Cavity", look) == "<C>"
+    assert translation.translated('Normals are those of "Cavity".', look) == '"Cavity"!'
 
 
 def test_catalogs_that_are_missing_or_broken_leave_english(monkeypatch, tmp_path):

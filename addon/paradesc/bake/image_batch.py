@@ -199,8 +199,8 @@ class ImageBatch(OneByOne):
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
             piece.told.append(
-                f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: the texture '
-                f'is "{place}".'
+                f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: the '
+                f'texture is "{place}".'
             )
             piece.notes.append(piece.told[-1])
         names = [replace(texture, name=place).file_name for texture in textures]

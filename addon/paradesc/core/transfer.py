@@ -305,8 +305,8 @@ def add_sentences(results: Results, name: str) -> None:
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     if found.missed == found.texels:
         sentence = (
-            f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects over each '
-            "other, or raise the cage distance."
+            f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects over '
+            "each other, or raise the cage distance."
         )
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     results.notes.append(f"Measured on {sources}, at most {found.cage:.4g} away (the cage distance).")
@@ -315,7 +315,7 @@ def add_sentences(results: Results, name: str) -> None:
     few = found.missed < WORTH_WARNING * found.texels
     ending = "" if few else "; raise the cage distance"
     sentence = (
-        f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance {found.cage:.4g} '
-        f"and have values from beside them{ending}."
+        f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
+        f"{found.cage:.4g} and have values from beside them{ending}."
     )
     (results.notes if few else results.warnings).append(sentence)

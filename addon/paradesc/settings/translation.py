@@ -64,7 +64,7 @@ def translated(text: str, look: Callable[[str, str], str]) -> str:
 
 @lru_cache(maxsize=4096)
 def matched(sentence: str) -> tuple[str, tuple[str, ...]] | None:
-    """The text of the catalogs that a sentence is made of, and what stands in its places {0}, {1} …; None if none is."""
+    """The text of the catalogs that a sentence is made of, and what stands in its places {0}, {1} …, if there is one."""
     for template, pattern in templates():
         found = pattern.fullmatch(sentence)
         if found is not None and sentence != template:

@@ -22,11 +22,11 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
     opened = next((image for image in images if image.name == shown), images[0])
     row = column.row(align=True)
-    row.operator("paradesc.open_image", text=label("Open")).name = opened.name
+    row.operator("paradesc.open_image", text=label("Open"), translate=False).name = opened.name
     if image_results.is_packed(images[0]):
-        row.operator("paradesc.save_images", text=label("Save")).name = opened.name
+        row.operator("paradesc.save_images", text=label("Save"), translate=False).name = opened.name
     else:
-        row.operator("paradesc.open_image_folder", text=label("Folder")).name = opened.name
+        row.operator("paradesc.open_image_folder", text=label("Folder"), translate=False).name = opened.name
     for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
         for sentence in sentences.splitlines():
             sentence_lines(context, column, sentence, kind)

@@ -39,7 +39,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         sentence_lines(context, column, sentence, "ERROR")
     is_small = stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0)
     if is_small and context.scene.paradesc.radius_fit == "typed":
-        column.operator("paradesc.bake", text=label("Bake with Fitted Radius")).fit = "medium"
+        column.operator("paradesc.bake", text=label("Bake with Fitted Radius"), translate=False).fit = "medium"
 
 
 def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -48,9 +48,9 @@ def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     setting(column, looks, "contrast", slider=True)
     setting(column, looks, "brightness", slider=True)
     row = column.row(align=True)
-    row.prop(looks, "invert", text=label("Invert"), toggle=True)
+    row.prop(looks, "invert", text=label("Invert"), translate=False, toggle=True)
     if len(recolor.baked_targets(context)) > 1:
-        row.prop(looks, "same_scale", text=label("Same Scale"), toggle=True)
+        row.prop(looks, "same_scale", text=label("Same Scale"), translate=False, toggle=True)
 
 
 def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored: dict[str, dict], name: str) -> None:
@@ -66,7 +66,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     row = column.row(align=True)
     percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
     for text, step in (("Finer", -1), ("Broader", 1)):
-        asked = row.operator("paradesc.bake", text=label(text))
+        asked = row.operator("paradesc.bake", text=label(text), translate=False)
         asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
         asked.fit, asked.radius = next_radius(size, percent, step)
 

@@ -27,7 +27,7 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
         """Draws the registry in three groups, and the options of the chosen operators."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
-            layout.label(text=label(title))
+            layout.label(text=label(title), translate=False)
             column = layout.column(align=True)
             if rows[0].map_degree:
                 column.prop(settings, "map_descriptor", text="")
