@@ -143,6 +143,15 @@ def test_live_alone_carries_values_and_leaves_them_as_a_bake_does(cage):
     assert bpy.ops.paradesc.recolor() == {"FINISHED"}, "they are taken for painted over"
 
 
+def test_another_mask_that_was_baked_stays_beside_the_live_one(cage):
+    bake()
+    baked = carried_values(cage)
+    bpy.context.scene.paradesc.descriptors = {"convexity"}
+    assert switch(cage) == ""
+    np.testing.assert_array_equal(carried_values(cage), baked)
+    assert np.ptp(carried_values(cage, "convexity")) > 0.1
+
+
 def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):
     assert switch(cage) == ""
     bpy.ops.object.mode_set(mode="SCULPT")

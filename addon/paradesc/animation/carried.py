@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ..bridge import MeshArrays
 from ..scene import arrays, carrying, delivery, mesh_io, ownership, record
@@ -15,6 +16,7 @@ class Made:
 
     arrays: MeshArrays
     keeps_own: bool  # every original vertex is among the arrays'
+    earlier: dict[str, np.ndarray]  # what was carried to its vertices, by attribute
     rendering: bool
 
 
@@ -24,22 +26,34 @@ def paint(painter: painting.Painter, target: bpy.types.Object, values: painting.
     A render makes no carrier, and finds one of other vertices where it has another level of subdivision: there Blender
     mixes the values of the object's own vertices.
     """
-    names, mesh = values.names(painter.at), carrying.carrier_of(target)
-    fits = mesh is not None and len(mesh.vertices) == len(made.arrays.positions) and painting.has_all(mesh, names)
+    names, measured = values.names(painter.at), delivery.measured(made.arrays, not made.keeps_own)
+    mesh = carrying.carrier_of(target)
+    fits = mesh is not None and painting.has_all(mesh, names) and counts_of(target) == counts(measured)
     if made.rendering and not fits:
         if made.keeps_own:
             return
         raise surfaces.lost(target)
     if not fits:
-        mesh = delivery.carrier_mesh(target, made.arrays)
+        earlier = {name: array for name, array in made.earlier.items() if name not in names}
+        mesh = delivery.carrier_mesh(target, made.arrays, not made.keeps_own, earlier)
         mesh_io.make_attributes(mesh, names)
     ownership.forget(mesh, names)
     for name, array in painter.attribute_values(values):
         arrays.set_values(mesh.attributes[name], array)
     if not fits:
         painting.leave_record(mesh, values, painter.ranges, painter.at)
-        carrying.carry(target, mesh, by_place=not made.keeps_own)
+        carrying.carry(target, mesh, measured)
     mesh.update()
+
+
+def counts(measured: carrying.Measured) -> tuple[int, int]:
+    """The numbers by which vertices are known again."""
+    return measured.points, measured.corners
+
+
+def counts_of(target: bpy.types.Object) -> tuple[int, int]:
+    """Those of the carrier that the object has."""
+    return counts(carrying.measured_of(carrying.modifier_of(target).node_group))
 
 
 def leave(target: bpy.types.Object) -> None:

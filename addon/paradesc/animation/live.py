@@ -18,7 +18,7 @@ from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
 from ..files.frame_baking import with_fixed_radii
-from ..scene import delivery, mesh_io, record, source_meshes, surface_maps
+from ..scene import carrying, delivery, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from . import carried, painting, surfaces
@@ -66,6 +66,7 @@ class Session:
         self.arrays: MeshArrays | None = None  # as LiveRequest has them
         self.vertices: np.ndarray | None = None
         self.keeps_own = True  # the original vertices are among the arrays', not only near them
+        self.earlier: dict[str, np.ndarray] = {}  # what was carried to them when they were read, by attribute
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
@@ -167,12 +168,13 @@ class Session:
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
         fresh_on_mesh = fresh or self.unpainted
         self.painter.carried = self.done.vertices is not None
-        changed = painting.paint(self.painter, target, self.values(self.own()), ranges, fresh_on_mesh)
+        extras = list(mesh_io.extras_on(target.data, self.results))
+        changed = painting.paint(self.painter, target, self.values(self.own(), extras), ranges, fresh_on_mesh)
         self.unpainted = False
         if self.painter.carried and (changed or fresh_on_mesh):
             rendering = depsgraph is not None and depsgraph.mode == "RENDER"
-            made = carried.Made(self.done.arrays, self.keeps_own, rendering)
-            carried.paint(self.painter, target, self.values(self.results), made)
+            made = carried.Made(self.done.arrays, self.keeps_own, self.earlier, rendering)
+            carried.paint(self.painter, target, self.values(self.results, extras), made)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -188,6 +190,8 @@ class Session:
         with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
             positions, normals = surface.positions, surface.normals(settings)
             arrays = self.follow_mesh(target, surface, settings)
+            if arrays is not None:
+                self.earlier = carrying.carried_values(target, surface.mesh) if surface.generated else {}
         if arrays is not None:
             self.take_mesh(target, arrays, rendering if surface.generated else None)
         if target.mode == "SCULPT":
@@ -271,7 +275,7 @@ class Session:
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
         if self.results is not None:
-            self.painter.reveal(target.data, self.values(self.own()))
+            self.painter.reveal(target.data, self.values(self.own(), []))
 
     def forget_ranges(self) -> None:
         """Does nothing, because a session keeps no ranges."""
@@ -300,12 +304,12 @@ class Session:
         reading = source_meshes.Reading(self.done.arrays, "evaluated", self.done.vertices)
         return delivery.on_original(self.results, reading)
 
-    def values(self, results: Results) -> painting.Values:
-        """These results in the form in which they are written."""
+    def values(self, results: Results, extras: list[str]) -> painting.Values:
+        """These results in the form in which they are written, with some of what is written beside them."""
         names = self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
-            results.extras,
+            {name: values for name, values in results.extras.items() if name in extras},
             {**record.facts_of(results), **({} if self.vertices is None else {RADII: self.radii})},
             lambda name, shown: record.drawing_of(shown, results, names[name]),
         )

@@ -39,22 +39,32 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
     at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
     drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
     mesh_io.write_at(target.data, own, at, drawn)
-    mesh = carrying.emptied(target)
-    faces = triangles if is_lost else triangles[:0]  # by which places are found again
-    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
-    add_earlier(mesh, target.data, reading.earlier)
+    mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
     mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-    carrying.carry(target, mesh, carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost))
+    carrying.carry(target, mesh, measured(arrays, is_lost))
     return mesh_io.moved_notes(at) + former_notes(target)
 
 
-def add_earlier(mesh: bpy.types.Mesh, own: bpy.types.Mesh, earlier: dict[str, np.ndarray]) -> None:
-    """Gives a carrier's mesh the values of earlier bakes whose attributes the object's own mesh still has."""
-    kept = {name: values for name, values in earlier.items() if name in own.attributes}
+def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
+    """What carrying has to know of the mesh that was measured; is_lost: it lacks own vertices of the object."""
+    return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
+
+
+def carrier_mesh(
+    target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
+) -> bpy.types.Mesh:
+    """The mesh of a carrier, with the values of earlier bakes whose attributes the object's own mesh still has.
+
+    It has faces only where places have to be found again, because own vertices are lost.
+    """
+    mesh, faces = carrying.emptied(target), arrays.triangle_vertices if is_lost else np.empty((0, 3), np.int32)
+    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
+    kept = {name: values for name, values in earlier.items() if name in target.data.attributes}
     mesh_io.make_attributes(mesh, list(kept))
     for name, values in kept.items():
         set_values(mesh.attributes[name], values)
-    record.take_over(own, mesh)
+    record.take_over(target.data, mesh)
+    return mesh
 
 
 def on_original(results: Results, reading: source_meshes.Reading) -> Results:

@@ -14,7 +14,7 @@ from . import image_preview, record
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
 # saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
 FORMER = "paradesc_color_type"
-# Another one, where undo has taken away what the viewports showed, and redo may bring it back.
+# Another one, of the same form: how viewports showed what undo has taken away, and redo or another radius brings back.
 UNDONE = "paradesc_undone"
 ATTRIBUTES = "VERTEX"
 # Highlights, shadows and Blender's own cavities would be taken for values.
@@ -84,10 +84,11 @@ def reveal(context: bpy.types.Context) -> None:
         return
     image_preview.hide()  # which lies over them
     screen, look = context.screen, wanted(context)
+    undone = {} if screen is None else screen.get(UNDONE, {})
     for number, shading in shadings(screen):
         seen = number in formers(screen) and shading.color_type == ATTRIBUTES
         if shading.type == "SOLID" and (look is LIT or not seen):
-            show_attributes(screen, shading, look)
+            show_attributes(screen, shading, dict(undone[number]) if look is PLAIN and number in undone else look)
     if screen is not None and UNDONE in screen:
         del screen[UNDONE]
 
@@ -135,8 +136,9 @@ def on_undo(*_ignored: object) -> None:
     """Brings back what viewports showed before the bake that was undone."""
     for window in bpy.context.window_manager.windows:
         if FORMER in window.screen and not shows_ours(window):
+            shown = [(number, one) for number, one in shadings(window.screen) if one.color_type == ATTRIBUTES]
+            window.screen[UNDONE] = {number: {name: getattr(one, name) for name in PLAIN} for number, one in shown}
             restore(window.screen)
-            window.screen[UNDONE] = True
 
 
 @persistent

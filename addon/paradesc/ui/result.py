@@ -82,8 +82,9 @@ def result_sentence(stored: dict[str, dict]) -> str:
     """What a bake did and how long it took: "Openness · 0.2 s"."""
     asked = stored["settings"].get("descriptors")
     names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
-    seconds = f"{stored['field_report']['seconds_total']:.1f}"
-    return label("{what} · {seconds} s").format(what=baked_words(names), seconds=seconds)
+    seconds = stored["field_report"]["seconds_total"]
+    shown = f"{seconds:.1f}" if seconds >= 0.1 else f"{seconds:.2f}"
+    return label("{what} · {seconds} s").format(what=baked_words(names), seconds=shown)
 
 
 def baked_words(names: list[str]) -> str:
