@@ -78,7 +78,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
             setting(layout, settings, name)
         column = layout.column(align=True)
-        column.label(text="Device")
+        column.label(text=label("Device"), translate=False)
         text = device_words(devices.label_of(settings.backend, settings.device_index))
         column.menu("PARADESC_MT_devices", text=text, translate=False)
         if settings.backend in WITH_BUFFERS:
