@@ -27,6 +27,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
+            if viewports.SOLID_BEFORE in context.screen:  # wear has shown materials
+                row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
         elif not viewports.is_shown(context):
             row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
         elif viewports.can_restore(context):
