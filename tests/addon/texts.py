@@ -24,6 +24,7 @@ ENGLISH = {
 PARTS = {
     "Images of {0} × {1} texels from high to low need about {2} GB of memory, and ",
     "{0} GB may be used ({1}); ",
+    "the memory limit",
     "The {0} {1} no effect on the processor, which needs neither.",
     "The {0} has no path; give one under Output.",
     "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
@@ -37,7 +38,7 @@ NO_TEXTS = {
 CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}
 DRAWN = {"text", "heading"}
 # Signs of a sentence, or of a text that format() fills: a later word that is small, or a place in braces.
-SENTENCE = re.compile(r'(["“–A-Z{]|has |its |the |measure |; ).*? [a-z]{2,}|has [a-z]+')
+SENTENCE = re.compile(r'(["“–A-Z{]|has |its |the |measure |sizes |; ).*? [a-z]{2,}|has [a-z]+')
 PLACE = re.compile(r"\{[^}]*\}")
 # And of a label, in the folders where such words are not the names of nodes and sockets.
 LABEL = re.compile("[A-Z][a-z]+( ([A-Z][a-z]+|of|to|with))*")
@@ -119,7 +120,7 @@ def literals(tree, folder):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node) is not None:
             silent.add(node.body[0].value)
         if isinstance(node, ast.JoinedStr):
-            silent.update(part for part in ast.walk(node) if part is not node and isinstance(part, ast.Constant))
+            silent.update(part for part in node.values if isinstance(part, ast.Constant))
         if isinstance(node, ast.Call):
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
             if name.endswith("Property") or name == "member":
