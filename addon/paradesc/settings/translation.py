@@ -19,7 +19,7 @@ CONTEXT = "Paradesc"
 CONTEXTS = (CONTEXT, bpy.app.translations.contexts.default)
 # The languages of each file, as Blender calls them: "de" stands for "de_DE" too, and Blender 4 has renamed zh_CN.
 LANGUAGES = {"de": ("de",), "ja": ("ja",), "zh": ("zh_CN", "zh_HANS")}
-# Before 3.6 a property has no context, and a single word in its menu may be Blender's.
+# A property of Blender 3.4 has no context, and a single word in its menu may be Blender's.
 HAS_CONTEXT = "translation_context" in bpy.props.BoolProperty.__doc__
 HOLE = re.compile(r"\{\d+\}")
 
@@ -109,6 +109,7 @@ def register() -> None:
         for name, languages in LANGUAGES.items()
         for language in languages
     }
+    unregister()  # what a start that failed may have left
     bpy.app.translations.register(ADDON, texts)
 
 
