@@ -144,7 +144,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         try:
             content = preset_rules.sound(path)
         except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return {"CANCELLED"}
         preset_members.apply(context.scene, content)
         show_chosen(content.name, path)
@@ -161,7 +161,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         """Draws our presets, then the user's own, then those of shared folders, and what to do with one's own."""
         for name, preset in PRESETS.items():
-            self.layout.operator("paradesc.preset", text=preset.label).name = name
+            self.layout.operator("paradesc.preset", text=translation.label(preset.label), translate=False).name = name
         for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
             rows = preset_folders.rows_in(folder)
             if rows:
@@ -171,10 +171,12 @@ class PARADESC_MT_presets(bpy.types.Menu):
                 line.enabled = not row.fault
                 line.operator("paradesc.load_preset", text=row.name).filepath = str(row.path)
         self.layout.separator()
-        self.layout.operator("paradesc.add_preset", text="Save as Preset…", icon="ADD")
+        save, take_away = translation.label("Save as Preset…"), translation.label("Remove This Preset")
+        self.layout.operator("paradesc.add_preset", text=save, translate=False, icon="ADD")
         remove = self.layout.row()
         remove.enabled = bool(chosen)
-        remove.operator("paradesc.add_preset", text="Remove This Preset", icon="REMOVE").remove_active = True
+        button = remove.operator("paradesc.add_preset", text=take_away, translate=False, icon="REMOVE")
+        button.remove_active = True
 
 
 class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
@@ -227,7 +229,7 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
         except OSError as error:
             sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
         if sentence:
-            self.report({"ERROR"}, sentence)
+            self.report({"ERROR"}, translation.said(sentence))
         return {"CANCELLED"} if sentence else {"FINISHED"}
 
 
