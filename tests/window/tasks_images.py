@@ -54,7 +54,7 @@ def in_material(run: "Run") -> Iterator[None]:
     tree = made.active_material.node_tree
     nodes = [f"{node.bl_idname.removeprefix('ShaderNode')} \"{node.label or node.name}\"" for node in tree.nodes]
     images = [node for node in tree.nodes if node.type == "TEX_IMAGE"]
-    linked = all(any(output.is_linked for output in node.outputs) for node in images)
+    linked = any(output.is_linked for node in images for output in node.outputs)
     area = person.viewport()
     area.ui_type = "ShaderNodeTree"
     yield from person.drawn(5)
@@ -64,7 +64,7 @@ def in_material(run: "Run") -> Iterator[None]:
     file = yield from run.picture("shader_editor")
     area.ui_type = "VIEW_3D"
     yield from person.drawn(3)
-    run.saw("B6", f"nodes: {', '.join(nodes)}; {len(images)} images, linked: {linked}", len(images) == 1 and linked and all(node.label for node in images), file)
+    run.saw("B6", f"nodes: {', '.join(nodes)}; {len(images)} images, linked: {linked}", len(images) == 2 and linked and all(node.label for node in images), file)
 
 
 def no_uv(run: "Run") -> Iterator[None]:
