@@ -14,7 +14,7 @@ declare -A places=([maps]=color_maps.png [descriptors]=descriptors [creases]=cre
 in_window() {
   local width=$1 height=$2 kind=$3
   shift 3
-  timeout 300 xvfb-run -a -s "-screen 0 ${width}x${height}x24" env LIBGL_ALWAYS_SOFTWARE=1 blender --factory-startup "$@" \
+  timeout 300 xvfb-run -a -s "-screen 0 ${width}x${height}x24" env LIBGL_ALWAYS_SOFTWARE=1 blender --factory-startup --python-exit-code 1 "$@" \
     --no-window-focus --window-geometry 0 0 "$width" "$height" -P "$folder/make.py" -- "$kind" "$output/$kind.png"
 }
 

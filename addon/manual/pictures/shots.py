@@ -19,9 +19,9 @@ from paradesc.settings.presets import PRESETS
 
 MASKS = {"cavity": "cavity", "edge_wear": "convexity", "openness": "ambient_openness", "curvature": "mean_curvature"}
 LABELS = {"cavity": "Cavity", "edge_wear": "Edge Wear", "openness": "Openness", "curvature": "Curvature"}
-SAMPLES, FLAT_SAMPLES = 48, 12
+SAMPLES, FLAT_SAMPLES = 32, 12
 RED, GREEN, STONE, SKIN = (0.4, 0.02, 0.014), (0.035, 0.07, 0.03), (0.24, 0.22, 0.19), (0.09, 0.14, 0.04)
-TEAL, CREAM, BLUE = (0.02, 0.16, 0.17), (0.55, 0.47, 0.34), (0.03, 0.08, 0.22)
+TEAL, BLUE = (0.02, 0.16, 0.17), (0.03, 0.08, 0.2)
 
 
 def bake(item: bpy.types.Object, mask: str) -> str:
@@ -158,20 +158,6 @@ def draw_presets(path: str) -> None:
     studio.save(studio.sheet(tiles, [preset.label for preset in PRESETS.values()], -(-len(tiles) // 2)), path)
 
 
-def draw_trouble(path: str) -> None:
-    """A coarse mesh at a radius below its edges, and at one that fits."""
-    studio.clear()
-    item, tiles = models.creature(0.02), []
-    decimate(item, 0.06)
-    for size, percent in (("typed", 0.3), ("fine", 0)):
-        if percent:
-            bpy.context.scene.paradesc.radius_percent = percent
-        bpy.context.scene.paradesc.radius_fit = size
-        studio.show_color(item, bake(item, "curvature"))
-        tiles.append(studio.tile([item], (630, 560), View(-16, 4, 0.0), FLAT_SAMPLES, lit=False))
-    studio.save(studio.sheet(tiles, ("Radius below the faces: facets", "A radius that fits the mesh"), 2), path)
-
-
 def decimate(item: bpy.types.Object, ratio: float) -> None:
     """Leaves so much of the faces."""
     studio.select([item])
@@ -215,9 +201,10 @@ def draw_low_poly(path: str) -> None:
     studio.clear()
     item, view, size = models.house(), View(-36, 14), (630, 600)
     models.unwrap(item)
-    studio.paint(item, CREAM, 0.6)
+    studio.paint(item, BLUE, 0.5)
     tiles = [studio.tile([item], size, view, SAMPLES, lit=True)]
     material = item.active_material
+    bpy.context.scene.paradesc.radius_fit = "fine"
     image = image_of(item, "edge_wear")
     studio.show_image(item, image)
     tiles.append(studio.tile([item], size, view, FLAT_SAMPLES, lit=False))
@@ -262,9 +249,21 @@ def draw_onto(path: str) -> None:
     words = (
         f"Sculpt, {len(high.data.polygons):,} faces",
         f"Low poly, {count:,} faces",
-        "The low-poly mesh with its textures",
+        "Low poly with its textures",
     )
     studio.save(studio.sheet(tiles, words, 3), path)
+
+
+def draw_trouble(path: str) -> None:
+    """Faces that are too large for values at vertices, and the same in an image."""
+    studio.clear()
+    item, view, size = models.gear(), View(-28, 12, 0.0), (630, 560)
+    models.unwrap(item)
+    studio.show_color(item, bake(item, "edge_wear"))
+    tiles = [studio.tile([item], size, view, FLAT_SAMPLES, lit=False)]
+    studio.show_image(item, image_of(item, "edge_wear"))
+    tiles.append(studio.tile([item], size, view, FLAT_SAMPLES, lit=False))
+    studio.save(studio.sheet(tiles, ("At vertices: large faces turn white", "Baked to an image"), 2), path)
 
 
 def pixels_of(image: bpy.types.Image) -> Image.Image:
@@ -314,16 +313,19 @@ def draw_live(path: str) -> None:
     bend = item.modifiers.new("bend", "SIMPLE_DEFORM")
     bend.deform_method, bend.deform_axis = "BEND", "Y"
     frames, scene = 20, bpy.context.scene
-    for frame, angle in ((1, -1.6), (frames // 2 + 1, 1.6), (frames + 1, -1.6)):
+    for frame, angle in ((1, -2.2), (frames // 2 + 1, 2.2), (frames + 1, -2.2)):
         bend.angle = angle
         bend.keyframe_insert("angle", frame=frame)
     scene.frame_set(frames // 4 + 1)
     studio.show_color(item, bake(item, "curvature"))
     item.paradesc_live.mode = "LIVE"
-    tiles = []
+    tiles, reach = [], []
+    for frame in (1, frames // 4 + 1, frames // 2 + 1):
+        scene.frame_set(frame)
+        reach.append(studio.corners_of([item]))
     for frame in range(1, frames + 1):
         scene.frame_set(frame)
-        tiles.append(studio.tile([item], (640, 400), View(0, 0, 0.25), 8, lit=False))
+        tiles.append(studio.tile([item], (720, 420), View(0, 0), 8, lit=False, points=np.concatenate(reach)))
     palette = tiles[0].quantize(64)
     tiles = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in tiles]
     tiles[0].save(path, save_all=True, append_images=tiles[1:], duration=80, loop=0, optimize=True)

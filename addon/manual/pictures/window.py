@@ -73,7 +73,7 @@ def sculpting_steps(path: str) -> Iterator[None]:
 
 
 # Pixels from the sidebar's top to the middle of our tab, the last of four, and of the button in the panel.
-TAB_BELOW_TOP, BUTTON_BELOW_TOP = 175, 148
+TAB_BELOW_TOP, BUTTON_BELOW_TOP = 175, 168
 # And from there down to the one that makes textures.
 IMAGE_BELOW_BUTTON = 30
 # And to the one that bakes the selected meshes onto the active one.
@@ -215,3 +215,6 @@ def grey_contrast(seen: np.ndarray) -> float:
     middle = seen[height // 2 - 60 : height // 2 + 60, width // 2 - 60 : width // 2 + 60].astype(int)
     chroma = np.ptp(middle, axis=2)
     return float(np.ptp(middle[chroma < 6]) / 255) if np.median(chroma) < 6 else 0.0
+
+
+STEPS = {"legend": legend_steps, "panel": panel_steps, "sculpting": sculpting_steps}
