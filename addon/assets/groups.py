@@ -36,7 +36,7 @@ def wear() -> bpy.types.NodeTree:
     dirt_rough = g.add_input("Dirt Roughness", "share", 0.9)
     edge_color = g.add_input("Edge Color", "color", BARE)
     edge_amount = g.add_input("Edge Amount", "share", 0.9)
-    edge_level = g.add_input("Edge Level", "share", 0.4, "The value of the mask that is half worn")
+    edge_level = g.add_input("Edge Level", "share", 0.5, "The value of the mask that is half worn")
     edge_contrast = g.add_input("Edge Contrast", "share", 0.7, "0: soft, 1: a hard border")
     edge_rough = g.add_input("Edge Roughness", "share", 0.4)
     edge_metal = g.add_input("Edge Metallic", "share", 0.0)

@@ -57,8 +57,8 @@ def painted_metal() -> bpy.types.Material:
     """Blue paint that is gone from the edges down to bare steel, with grime in the hollows."""
     look = Look(
         "Painted Metal", 0.0, Own_Colors=0.0, Dirt_Color=(0.028, 0.021, 0.016, 1), Dirt_Amount=0.9, Dirt_Level=0.38,
-        Dirt_Contrast=0.15, Dirt_Roughness=0.95, Edge_Color=(0.56, 0.54, 0.51, 1), Edge_Amount=1.0, Edge_Level=0.24,
-        Edge_Contrast=0.82, Edge_Roughness=0.3, Edge_Metallic=1.0, Edge_Rim=0.75, Dust_on_Top=0.12, Noise_Scale=28.0,
+        Dirt_Contrast=0.15, Dirt_Roughness=0.95, Edge_Color=(0.66, 0.64, 0.61, 1), Edge_Amount=1.0, Edge_Level=0.32,
+        Edge_Contrast=0.82, Edge_Roughness=0.4, Edge_Metallic=1.0, Edge_Rim=0.75, Dust_on_Top=0.12, Noise_Scale=28.0,
         Noise_Breakup=0.9,
     )  # fmt: skip
     look.colored((0.03, 0.115, 0.185), (0.055, 0.175, 0.265), scale=7.0, roughness=(0.3, 0.52))

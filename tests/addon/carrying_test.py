@@ -312,15 +312,26 @@ def test_objects_that_share_a_mesh_show_the_same():
 
 
 def test_a_bake_that_cannot_be_written_leaves_no_trace():
-    target = box()
+    target = box("subdivision")
     reading = source_meshes.read(target, "evaluated")
     results, before = job.run(reading.arrays, QUICK), stock()
-    target.modifiers["BEVEL"].segments = 5
+    subdivide()
     with pytest.raises(bridge.ParadescError, match="was changed while"):
         delivery.deliver(target, results, reading)
     assert stock() == before
     assert "convexity" not in target.data.attributes
     assert ours(target) == []
+
+
+def test_a_stack_that_changed_during_a_bake_shows_the_nearest_values():
+    target = box()
+    reading = source_meshes.read(target, "evaluated")
+    results = job.run(reading.arrays, QUICK)
+    target.modifiers["BEVEL"].segments = 5
+    delivery.deliver(target, results, reading)
+    found = shown(target, "convexity")
+    assert len(found) > len(reading.arrays.positions)
+    assert 0 < np.ptp(found) <= np.ptp(results.values["convexity"])
 
 
 def test_in_edit_mode_the_base_mesh_is_measured_and_shown():

@@ -60,7 +60,7 @@ def test_what_is_measured_is_a_note_and_no_warning(monkey):
     stored = record.read(monkey.data)
     assert "Measured with its modifiers: 7,958 vertices" in stored["notes"]
     assert stored["warnings"] == ""
-    assert re.fullmatch(r"Cavity, Edge Wear · \d+\.\d s", result.result_sentence(stored))
+    assert re.fullmatch(r"Cavity, Edge Wear · \d+\.\d+ s", result.result_sentence(stored))
     assert report_panel.stored_report(monkey) == stored
 
 

@@ -59,7 +59,7 @@ def test_a_mesh_without_a_map_gets_one_that_its_image_lies_over(settings, tmp_pa
     assert ball().data.uv_layers.active.name == NAME
     made = image_results.found(ball())
     assert made.uv_map == NAME
-    assert made.notes == f'The mesh has no UV map: Smart UV Project made "{NAME}", and the image lies over it.'
+    assert made.notes == f'New UV map "{NAME}": the mesh has no UV map.'
     assert made.notes in capfd.readouterr().out
     assert pngs_in(tmp_path) == ["ball_curvature.png"]
 
@@ -97,11 +97,11 @@ def test_a_map_of_no_use_stays_and_the_image_lies_over_another(settings, kind, r
     np.testing.assert_array_equal(uvs_of("mine"), np.asarray(uvs, np.float32))
     made = image_results.found(ball())
     assert made.uv_map == NAME
-    assert made.notes.startswith(f"The mesh {reason}: Smart UV Project made")
+    assert made.notes == f'New UV map "{NAME}": the mesh {reason}.'
     first = pixels_of(made.images[0])
     bpy.ops.paradesc.bake_image()
     assert map_names() == ["mine", NAME]
-    assert image_results.found(ball()).notes == f'The mesh {reason}: the image lies over "{NAME}", of an earlier bake.'
+    assert image_results.found(ball()).notes == f'Over the UV map "{NAME}": the mesh {reason}.'
     np.testing.assert_array_equal(pixels_of(made.images[0]), first)
 
 

@@ -1,4 +1,4 @@
-"""Live values in sculpt mode follow at the end of a stroke, and never in the middle of one. live_in_window.py strokes."""
+"""Live values in sculpt mode follow at the end of a stroke, never in the middle of one. shown_in_window.py strokes."""
 
 import time
 
@@ -31,7 +31,7 @@ def sculpted():
 
 
 def press_in(target, depth=0.3):
-    """Moves some vertices as a stroke does, and tells handlers what Blender tells them: that the object is drawn anew."""
+    """Moves some vertices as a stroke does, and tells handlers what Blender tells them: the object is drawn anew."""
     positions = np.empty(3 * len(target.data.vertices), np.float32)
     holder = target.data.vertices if target.data.shape_keys is None else target.active_shape_key.data
     holder.foreach_get("co", positions)

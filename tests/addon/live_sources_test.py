@@ -5,11 +5,11 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from live_values import count_computations, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import frames, handlers, live  # noqa: E402
-from paradesc.core import fitting, job  # noqa: E402
+from live_values import count_computations, switch, values  # noqa: E402
+from paradesc.animation import frames, handlers  # noqa: E402
+from paradesc.core import fitting  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import record, source_meshes  # noqa: E402
+from paradesc.scene import record  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -18,7 +18,7 @@ MASK = "cavity"
 
 @pytest.fixture
 def cage():
-    """A dented sphere of few faces that Subdivision makes many of, measured as it is shown, with the samples of Live."""
+    """A dented sphere of few faces that Subdivision makes many of, measured as it is shown with the samples of Live."""
     scene = bpy.context.scene
     settings = scene.paradesc
     settings.descriptors, settings.backend, settings.samples = {MASK}, "cpu", 16
@@ -143,6 +143,15 @@ def test_live_alone_carries_values_and_leaves_them_as_a_bake_does(cage):
     assert bpy.ops.paradesc.recolor() == {"FINISHED"}, "they are taken for painted over"
 
 
+def test_another_mask_that_was_baked_stays_beside_the_live_one(cage):
+    bake()
+    baked = carried_values(cage)
+    bpy.context.scene.paradesc.descriptors = {"convexity"}
+    assert switch(cage) == ""
+    np.testing.assert_array_equal(carried_values(cage), baked)
+    assert np.ptp(carried_values(cage, "convexity")) > 0.1
+
+
 def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):
     assert switch(cage) == ""
     bpy.ops.object.mode_set(mode="SCULPT")
@@ -151,6 +160,39 @@ def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):
     bpy.ops.object.mode_set(mode="OBJECT")
     handlers.refresh_window([cage])
     assert [item for item in cage.modifiers if item.type == "NODES"]
+
+
+def test_renders_with_another_level_of_subdivision_have_the_radius_of_the_window(cage, tmp_path, monkeypatch):
+    bend = cage.modifiers.new("bend", "SIMPLE_DEFORM")
+    bend.deform_method, bend.deform_axis = "BEND", "Z"
+    for frame, angle in ((1, 0.0), (9, 3.0)):
+        bend.angle = angle
+        bend.keyframe_insert("angle", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_set(1)
+    cage.modifiers["finer"].render_levels = 3
+    assert switch(cage) == ""
+    session, radii, counts = handlers.session_at(cage), [], []
+    radius, compute = session.results.radius, type(session).compute
+
+    def watched(self, request, *more):
+        results = compute(self, request, *more)
+        radii.append(results.radius)
+        counts.append(len(request.positions))
+        return results
+
+    monkeypatch.setattr(type(session), "compute", watched)
+    scene.frame_set(9)
+    scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(scene.camera)
+    scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 1, "CPU"
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.filepath = str(tmp_path / "still.png")
+    bpy.ops.render.render(write_still=True)
+    handlers.refresh_window([cage])
+    assert cage.paradesc_live.sentence == ""
+    assert max(counts) > 3 * min(counts), "the render had the level of the window"
+    assert radii == pytest.approx([radius] * len(radii), rel=1e-6)
 
 
 # ---- Colors
@@ -235,3 +277,20 @@ def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     path = next(iter(cache.frames_in(cache.object_folder(tmp_path, cage.name, [])).values()))
     assert cache.read_frame(path).info["radius"][MASK] == pytest.approx(radius, rel=1e-5)
+
+
+def test_another_radius_is_followed_once_the_hand_rests_and_other_settings_ask_for_nothing(cage, monkeypatch):
+    assert switch(cage) == ""
+    bpy.context.view_layer.update()
+    handlers.STATE.edited_at = None
+    done = count_computations(monkeypatch)
+    bpy.context.scene.paradesc.image_to_material = True
+    bpy.context.view_layer.update()
+    assert handlers.STATE.edited_at is None
+    bpy.context.scene.paradesc.radius_percent = 16.0
+    bpy.context.view_layer.update()
+    assert handlers.STATE.edited_at is not None
+    handlers.STATE.edited_at = 0.0
+    handlers.follow_edits()
+    assert len(done) == 1
+    assert handlers.session_at(cage).has_settings(bpy.context.scene)

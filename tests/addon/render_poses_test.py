@@ -100,6 +100,19 @@ def test_an_animation_shows_each_frames_pose_and_its_values(name, mode, tmp_path
         check_values(target, found, tmp_path)
 
 
+@pytest.mark.parametrize("name", ["subdivision_behind_a_modifier", "array", "solidify"])
+def test_what_modifiers_make_keeps_its_pose_while_values_are_carried_to_it(name, tmp_path):
+    target = moving_scene(CASES[name])
+    bpy.context.scene.paradesc_animation.source = "auto"
+    expected = rendered(tmp_path, "off")
+    switch_all("LIVE")
+    found = rendered(tmp_path, "shown")
+    assert target.paradesc_live.sentence == ""
+    check_silhouettes(found, expected)
+    shown = [picture[..., :3][picture[..., 3] > 0.99] for picture in found]
+    assert all(np.ptp(colors) > 0.05 for colors in shown), "a frame has no values"
+
+
 def blurred(scene):
     scene.render.use_motion_blur = True
 

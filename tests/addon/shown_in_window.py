@@ -65,6 +65,10 @@ def bakes_are_shown(name: str) -> Iterator[None]:
     start_bake()
     yield from wait_for(lambda: not baking())
     assert shading.light == "STUDIO", "another bake took the light that was chosen"
+    bpy.context.window_manager.operators[-1].properties.radius = 6.0
+    run_in_view(bpy.ops.ed.undo_redo)
+    yield
+    assert shown()[:2] == (viewports.ATTRIBUTES, "STUDIO"), "another radius took the light that was chosen"
     shading.light = "FLAT"
     run_in_view(bpy.ops.paradesc.restore_shading)
     assert shown() == before, f"the eye left {shown()}"

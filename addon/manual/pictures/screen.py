@@ -34,9 +34,10 @@ def pixels_of_root() -> np.ndarray:
     """(height, width, 3) uint8 of all that is on the screen, top row first."""
     written = subprocess.run(["xwd", "-root", "-silent"], check=True, capture_output=True).stdout
     header = np.frombuffer(written, ">u4", 25)
-    if header[BITS_PER_PIXEL] != 32:
-        raise RuntimeError(f"xwd gives {header[BITS_PER_PIXEL]} bits a pixel; 32 are needed.")
+    size = int(header[BITS_PER_PIXEL]) // 8  # 4, or 3 where windows differ in their visuals
+    if size not in (3, 4):
+        raise RuntimeError(f"xwd gives {header[BITS_PER_PIXEL]} bits a pixel; 24 or 32 are needed.")
     height, row = int(header[HEIGHT]), int(header[BYTES_PER_LINE])
     start = int(header[SIZE]) + BYTES_PER_COLOR * int(header[COLORS])
-    rows = np.frombuffer(written, np.uint8, height * row, start).reshape(height, row // 4, 4)
-    return rows[:, : int(header[WIDTH]), 2::-1].copy()
+    rows = np.frombuffer(written, np.uint8, height * row, start).reshape(height, row)[:, : size * int(header[WIDTH])]
+    return rows.reshape(height, -1, size)[..., 2::-1].copy()

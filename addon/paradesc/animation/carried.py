@@ -1,34 +1,59 @@
 """Brings live values to the vertices that modifiers make, by the carrier that bakes use, at every frame anew."""
 
+from dataclasses import dataclass
+
 import bpy
+import numpy as np
 
 from ..bridge import MeshArrays
 from ..scene import arrays, carrying, delivery, mesh_io, ownership, record
-from . import painting
+from . import painting, surfaces
 
 
-def paint(
-    painter: painting.Painter, target: bpy.types.Object, values: painting.Values, made: MeshArrays, by_place: bool | None
-) -> None:
+@dataclass(frozen=True, eq=False)
+class Made:
+    """The mesh that modifiers made."""
+
+    arrays: MeshArrays
+    keeps_own: bool  # every original vertex is among the arrays'
+    earlier: dict[str, np.ndarray]  # what was carried to its vertices, by attribute
+    rendering: bool
+
+
+def paint(painter: painting.Painter, target: bpy.types.Object, values: painting.Values, made: Made) -> None:
     """Fills the carrier with the values of the mesh that modifiers made, as the painter painted the object's own mesh.
 
-    by_place: as carrying.carry() has it, or None in a render, which makes no carrier. It finds one of other vertices
-    where it has another level of subdivision; there Blender mixes the values of the object's own vertices.
+    A render makes no carrier, and finds one of other vertices where it has another level of subdivision: there Blender
+    mixes the values of the object's own vertices.
     """
-    names, mesh = values.names(painter.at), carrying.carrier_of(target)
-    fits = mesh is not None and len(mesh.vertices) == len(made.positions) and painting.has_all(mesh, names)
-    if by_place is None and not fits:
-        return
+    names, measured = values.names(painter.at), delivery.measured(made.arrays, not made.keeps_own)
+    mesh = carrying.carrier_of(target)
+    fits = mesh is not None and painting.has_all(mesh, names) and counts_of(target) == counts(measured)
+    if made.rendering and not fits:
+        if made.keeps_own:
+            return
+        raise surfaces.lost(target)
     if not fits:
-        mesh = delivery.carrier_mesh(target, made)
+        earlier = {name: array for name, array in made.earlier.items() if name not in names}
+        mesh = delivery.carrier_mesh(target, made.arrays, not made.keeps_own, earlier)
         mesh_io.make_attributes(mesh, names)
     ownership.forget(mesh, names)
     for name, array in painter.attribute_values(values):
         arrays.set_values(mesh.attributes[name], array)
     if not fits:
         painting.leave_record(mesh, values, painter.ranges, painter.at)
-        carrying.carry(target, mesh, by_place)
+        carrying.carry(target, mesh, measured)
     mesh.update()
+
+
+def counts(measured: carrying.Measured) -> tuple[int, int]:
+    """The numbers by which vertices are known again."""
+    return measured.points, measured.corners
+
+
+def counts_of(target: bpy.types.Object) -> tuple[int, int]:
+    """Those of the carrier that the object has."""
+    return counts(carrying.measured_of(carrying.modifier_of(target).node_group))
 
 
 def leave(target: bpy.types.Object) -> None:

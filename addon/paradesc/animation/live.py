@@ -12,13 +12,13 @@ import numpy as np
 
 from ..bake import sculpt_mask
 from ..bridge import MeshArrays, Options, ParadescError, ProgressFunction
-from ..core import color_maps, fitting, job
+from ..core import advice, color_maps, fitting
 from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
 from ..files.frame_baking import with_fixed_radii
-from ..scene import delivery, mesh_io, record, source_meshes, surface_maps
+from ..scene import carrying, delivery, mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from . import carried, painting, surfaces
@@ -27,8 +27,8 @@ from . import carried, painting, surfaces
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
 # Somebody sculpts on meshes of so many triangles with a radius of many edges, and has to wait for fitted normals.
 FINE = 100_000
-# The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from: machines
-# of a farm begin at other frames than the window did.
+# The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from, because
+# machines of a farm begin at other frames than the window did.
 RADII = "live_radii"
 
 
@@ -62,9 +62,11 @@ class Session:
         self.stream: Stream | None = None  # while a thread computes, this and prepared belong to it
         self.prepared: LiveRequest | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
+        self.in_window: tuple[object, ...] = ()  # the topology that was not a render's
         self.arrays: MeshArrays | None = None  # as LiveRequest has them
         self.vertices: np.ndarray | None = None
         self.keeps_own = True  # the original vertices are among the arrays', not only near them
+        self.earlier: dict[str, np.ndarray] = {}  # what was carried to them when they were read, by attribute
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
@@ -166,11 +168,13 @@ class Session:
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
         fresh_on_mesh = fresh or self.unpainted
         self.painter.carried = self.done.vertices is not None
-        changed = painting.paint(self.painter, target, self.values(self.own()), ranges, fresh_on_mesh)
+        extras = list(mesh_io.extras_on(target.data, self.results))
+        changed = painting.paint(self.painter, target, self.values(self.own(), extras), ranges, fresh_on_mesh)
         self.unpainted = False
         if self.painter.carried and (changed or fresh_on_mesh):
-            by_place = None if depsgraph is not None and depsgraph.mode == "RENDER" else not self.keeps_own
-            carried.paint(self.painter, target, self.values(self.results), self.done.arrays, by_place)
+            rendering = depsgraph is not None and depsgraph.mode == "RENDER"
+            made = carried.Made(self.done.arrays, self.keeps_own, self.earlier, rendering)
+            carried.paint(self.painter, target, self.values(self.results, extras), made)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -186,6 +190,8 @@ class Session:
         with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
             positions, normals = surface.positions, surface.normals(settings)
             arrays = self.follow_mesh(target, surface, settings)
+            if arrays is not None:
+                self.earlier = carrying.carried_values(target, surface.mesh) if surface.generated else {}
         if arrays is not None:
             self.take_mesh(target, arrays, rendering if surface.generated else None)
         if target.mode == "SCULPT":
@@ -217,11 +223,18 @@ class Session:
 
     def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
         """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
-        places = (None, True) if rendering is None else surfaces.places_of(target, arrays, rendering)
-        self.vertices, self.keeps_own = places
-        begins = self.arrays is None and rendering is not None
-        self.kept = record.read(target.data).get(RADII, {}) if begins else {}
-        self.arrays, self.rest = arrays, mesh_io.read_positions(target.data)
+        rest, self.kept = mesh_io.read_positions(target.data), {}
+        if rendering is None:
+            self.vertices, self.keeps_own = None, True
+        else:
+            self.vertices, self.keeps_own = surfaces.places_of(target, arrays, rendering)
+            same = self.rest is not None and np.array_equal(rest, self.rest) and self.topology == self.in_window
+            begins = self.arrays is None
+            if begins or rendering or same:  # renders, which may subdivide otherwise, have the radii of the window
+                self.kept = self.radii or record.read(target.data).get(RADII, {})
+        if not rendering:
+            self.in_window = self.topology
+        self.arrays, self.rest = arrays, rest
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
         """Computes at the radius of the undeformed mesh, which does not change with the pose. Runs on any thread."""
@@ -262,7 +275,7 @@ class Session:
     def reveal(self, target: bpy.types.Object) -> None:
         """Makes the colors of the values the active ones of the mesh."""
         if self.results is not None:
-            self.painter.reveal(target.data, self.values(self.own()))
+            self.painter.reveal(target.data, self.values(self.own(), []))
 
     def forget_ranges(self) -> None:
         """Does nothing, because a session keeps no ranges."""
@@ -291,12 +304,12 @@ class Session:
         reading = source_meshes.Reading(self.done.arrays, "evaluated", self.done.vertices)
         return delivery.on_original(self.results, reading)
 
-    def values(self, results: Results) -> painting.Values:
-        """These results in the form in which they are written."""
+    def values(self, results: Results, extras: list[str]) -> painting.Values:
+        """These results in the form in which they are written, with some of what is written beside them."""
         names = self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
-            results.extras,
+            {name: values for name, values in results.extras.items() if name in extras},
             {**record.facts_of(results), **({} if self.vertices is None else {RADII: self.radii})},
             lambda name, shown: record.drawing_of(shown, results, names[name]),
         )
@@ -311,6 +324,8 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     group = scene.paradesc_live
     if settings.space != "object":
         raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
+    if settings.radius_fit in advice.SIZES and not settings.more_radii:  # the panel shows that of the newest bake
+        settings = replace(settings, options=replace(settings.options, radius=Options().radius))
     if not is_quick(scene, rendering):
         return settings
     options = replace(

@@ -69,7 +69,8 @@ class Painter:
         active = mesh.color_attributes.active_color
         colors = {f"{self.at[name]}_color" for name in self.ranges}
         if colors and (active is None or active.name not in colors):
-            seen = {name: mesh_io.extremes(mesh, values.shown[name], shown) for name, shown in self.ranges.items()}
+            surface = mesh_io.surface_of(mesh)
+            seen = {name: mesh_io.extremes(*surface, values.shown[name], shown) for name, shown in self.ranges.items()}
             mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:

@@ -50,7 +50,7 @@ class Player:
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
         """Writes the values of the scene's frame to the object's mesh, at once; False if nothing had to change."""
-        if surfaces.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
+        if surfaces.evaluated_object(target, depsgraph) is None:  # as in another scene, whose frame is not ours
             return False
         self.scene_name = scene.name
         start = time.perf_counter()

@@ -97,7 +97,7 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 
 
 def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tuple[np.ndarray, bool]:
-    """(original_count,) int64 vertex of the arrays that modifiers made, for each original vertex; whether all are there.
+    """(original_count,) int64 vertex of the arrays that modifiers made, for each original one; whether all are there.
 
     Those that other modifiers keep are found again by a bake's way, which a render cannot go. Else it is the nearest.
     """
@@ -155,7 +155,7 @@ def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
 def waiting_sentence(target: bpy.types.Object) -> str:
     """Why values wait in the mode of the object, or "".
 
-    In edit mode and with dynamic topology Blender works on a copy of the mesh, and vertex paint keeps tables of its own.
+    In edit mode and with dynamic topology Blender works on a copy of the mesh; vertex paint keeps tables of its own.
     """
     if target.mode in ("EDIT", "VERTEX_PAINT"):
         return "Values follow when this mode is left."

@@ -8,11 +8,13 @@ The modifier changes no position and no face, so what is measured is the same wi
 
 import hashlib
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from . import record
-from .arrays import kind_of
+from .arrays import attribute_values, kind_of
 from .node_groups import MARK, add_modifier, add_node, add_socket, new_group
 
 KIND = "Paradesc Values"
@@ -23,6 +25,8 @@ CARRIER = "Values"
 SOCKETS = {"FLOAT": ("VALUE", "FLOAT"), "FLOAT_VECTOR": ("VECTOR", "VECTOR"), "FLOAT_COLOR": ("RGBA", "RGBA")}
 # The custom property of a group with what we made it of.
 LEFT = "paradesc_left"
+# Another one with the attributes that it stores, and how.
+STORED = "paradesc_stored"
 NEAREST = "GeometryNodeSampleNearestSurface"
 # The counts that tell whether the modifiers make the vertices and faces that were measured.
 COUNTS = ("Point Count", "Face Corner Count")
@@ -31,9 +35,12 @@ COUNTS = ("Point Count", "Face Corner Count")
 def is_ours(modifier: bpy.types.Modifier) -> bool:
     """Whether a modifier carries values and its nodes are as we left them."""
     group = modifier.node_group if modifier.type == "NODES" else None
-    if group is None or group.get(MARK) != KIND or group.library is not None:
-        return False
-    return group.get(LEFT) == structure(group) and is_carrier(held_by(group))
+    return group is not None and is_left(group) and is_carrier(held_by(group))
+
+
+def is_left(group: bpy.types.NodeTree) -> bool:
+    """Whether these are nodes of ours that nobody has edited."""
+    return group.get(MARK) == KIND and group.library is None and group.get(LEFT) == structure(group)
 
 
 def is_carrier(item: bpy.types.Object | None) -> bool:
@@ -63,30 +70,63 @@ def carried_names(target: bpy.types.Object) -> list[str]:
     return [] if mesh is None else record.attributes_of(mesh)
 
 
-def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, by_place: bool) -> None:
+def carried_values(target: bpy.types.Object, mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
+    """The values of these attributes on the object's evaluated mesh."""
+    found = {name: mesh.attributes[name] for name in carried_names(target) if name in mesh.attributes}
+    return {name: attribute_values(item) for name, item in found.items() if item.domain == "POINT"}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the modifiers made when it was measured."""
+
+    points: int
+    corners: int
+    by_place: bool  # of other vertices the nearest place counts, because modifiers lose own ones
+
+
+def emptied(target: bpy.types.Object) -> bpy.types.Mesh:
+    """An empty mesh for what carry() is given: that of the object's carrier if it is free, else a new one."""
+    group = own_group(target)
+    if group is None:
+        return bpy.data.meshes.new(f"{target.name} {CARRIER}")
+    mesh = held_by(group).data
+    mesh.clear_geometry()
+    for name in list(mesh.keys()):
+        del mesh[name]
+    return mesh
+
+
+def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) -> None:
     """Makes this mesh that of the carrier, whose recorded attributes the modifier stores from now on.
 
-    by_place: where the modifiers make other vertices, those of the nearest place count, not those that Blender mixes.
     Objects that share the mesh before modifiers get the same modifier, as their own vertices share the values. What
     others use as well, such as copies with a mesh of their own, stays theirs.
     """
-    group = own_group(target)
-    if group is None:
-        group, carrier = new_group("GeometryNodeTree", KIND), new_carrier(target, mesh)
-    else:
-        carrier = held_by(group)
-        set_mesh(carrier, mesh)
-    build(group, carrier, by_place)
-    group[LEFT] = structure(group)
+    own = own_group(target)
+    carrier = new_carrier(target, mesh) if own is None else held_by(own)
+    kinds = [(name, kind_of(mesh.attributes[name])[0]) for name in record.attributes_of(mesh)]
+    group = group_for(own, kinds, measured.by_place)
+    group.nodes[CARRIER].inputs["Object"].default_value = carrier
+    for name, count in zip(COUNTS, (measured.points, measured.corners), strict=True):
+        integers(group.nodes[name])[1].default_value = count
     for item in [target, *(other for other in sharing(target.data) if other != target and other.modifiers)]:
         place(item, group)
+
+
+def measured_of(group: bpy.types.NodeTree) -> Measured:
+    """What was measured, by the nodes of a group."""
+    points, corners = (integers(group.nodes[name])[1].default_value for name in COUNTS)
+    return Measured(points, corners, any(node.bl_idname == NEAREST for node in group.nodes))
 
 
 def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
     """Makes a shown modifier with this group the last one of the object, the only one of ours."""
     for modifier in [item for item in target.modifiers if is_ours(item)]:
-        is_last = modifier == target.modifiers[-1]
-        if modifier.node_group == group and is_last and modifier.show_viewport and modifier.show_render:
+        if modifier == target.modifiers[-1]:
+            former = modifier.node_group
+            modifier.node_group, modifier.show_viewport, modifier.show_render = group, True, True
+            remove_unused(former)
             return
         remove_modifier(target, modifier, keep=group)
     add_modifier(target, group, MODIFIER).show_expanded = False
@@ -99,24 +139,15 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     """
     for target in sharing(mesh):
         carried = carried_names(target)
-        kept = [name for name in carried if name not in names]
-        if carried and not kept:
+        gone = [name for name in carried if name in names]
+        if carried and len(gone) == len(carried):
             remove_modifier(target, modifier_of(target))
-        elif len(kept) < len(carried):
-            held, nodes = carrier_of(target), modifier_of(target).node_group.nodes
+        elif gone:
+            held, measured = carrier_of(target), measured_of(modifier_of(target).node_group)
             held = held.copy() if own_group(target) is None else held
-            keep_only(held, kept)
-            carry(target, held, by_place=any(node.bl_idname == NEAREST for node in nodes))
-
-
-def keep_only(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
-    """Leaves a carrier's mesh these attributes alone: values are all that it is for."""
-    for layer in list(mesh.uv_layers):
-        mesh.uv_layers.remove(layer)
-    kept = {*names, "position", "material_index", "sharp_face", "sharp_edge"}
-    for name in [item.name for item in mesh.attributes if not item.name.startswith(".") and item.name not in kept]:
-        mesh.attributes.remove(mesh.attributes[name])
-    mesh.materials.clear()
+            for name in gone:
+                held.attributes.remove(held.attributes[name])
+            carry(target, held, measured)
 
 
 # ---- Ours and nobody else's
@@ -143,36 +174,47 @@ def new_carrier(target: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obj
     """An object in no collection: no view layer shows, selects, renders or exports it."""
     carrier = bpy.data.objects.new(f"{target.name} {CARRIER}", mesh)
     carrier[MARK] = KIND
-    mesh.name = carrier.name
     return carrier
-
-
-def set_mesh(carrier: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
-    """Gives a carrier its mesh; the former one goes unless something else uses it."""
-    former, carrier.data = carrier.data, mesh
-    if former.users == 0:
-        bpy.data.meshes.remove(former)
-    mesh.name = carrier.name
 
 
 def remove_modifier(
     target: bpy.types.Object, modifier: bpy.types.NodesModifier, keep: bpy.types.NodeTree | None = None
 ) -> None:
-    """Removes our modifier, and its group and carrier if nothing else uses them and the group is not to be kept."""
+    """Removes our modifier, and its group unless that is to be kept."""
     group = modifier.node_group
-    carrier = held_by(group)
-    mesh = carrier.data
     target.modifiers.remove(modifier)
-    if group == keep or group.users:
+    if group != keep:
+        remove_unused(group)
+
+
+def remove_unused(group: bpy.types.NodeTree) -> None:
+    """Removes a group that nothing uses, and its carrier if nothing else uses that."""
+    if group.users:
         return
+    carrier = held_by(group)
     bpy.data.node_groups.remove(group)
     if carrier.users == 0:
+        mesh = carrier.data
         bpy.data.objects.remove(carrier)
         if mesh.users == 0:
             bpy.data.meshes.remove(mesh)
 
 
 # ---- Nodes
+
+
+def group_for(own: bpy.types.NodeTree | None, kinds: list[tuple[str, str]], by_place: bool) -> bpy.types.NodeTree:
+    """A group that stores these attributes, each a name and a type: the own one if it does, or a copy, or a new one."""
+    wanted = repr((kinds, by_place))
+    if own is not None and own.get(STORED) == wanted:
+        return own
+    alike = (group for group in bpy.data.node_groups if group.get(STORED) == wanted and is_left(group))
+    found = next(alike, None)
+    group = new_group("GeometryNodeTree", KIND) if found is None else found.copy()
+    if found is None:
+        build(group, kinds, by_place)
+        group[STORED], group[LEFT] = wanted, structure(group)
+    return group
 
 
 def structure(group: bpy.types.NodeTree) -> str:
@@ -189,43 +231,36 @@ def name_in(node: bpy.types.Node) -> str:
     return "" if socket is None else socket.default_value
 
 
-def build(group: bpy.types.NodeTree, carrier: bpy.types.Object, by_place: bool) -> None:
-    """Fills a group with the nodes that store the carrier's recorded attributes; its former nodes go."""
-    is_new = not group.nodes
-    group.nodes.clear()
-    if is_new:
-        add_socket(group, "Geometry", "geometry")
-        add_socket(group, "Geometry", "geometry", output=True)
+def build(group: bpy.types.NodeTree, kinds: list[tuple[str, str]], by_place: bool) -> None:
+    """Fills an empty group with the nodes that store these attributes of the carrier."""
+    add_socket(group, "Geometry", "geometry")
+    add_socket(group, "Geometry", "geometry", output=True)
     given = add_node(group, "NodeGroupInput", (-1000, 0)).outputs[0]
     info = add_node(group, "GeometryNodeObjectInfo", (-1000, -200), name=CARRIER, transform_space="ORIGINAL")
-    info.inputs["Object"].default_value = carrier
-    held = info.outputs["Geometry"]
-    same = same_counts(group, given, held)
+    same = same_counts(group, given)
     index = add_node(group, "GeometryNodeInputIndex", (-400, -500)).outputs[0]
-    for row, name in enumerate(record.attributes_of(carrier.data)):
-        data_type = kind_of(carrier.data.attributes[name])[0]
-        given = store(group, (200, -400 * row), given, name, data_type, (held, same, index), by_place)
+    for row, (name, data_type) in enumerate(kinds):
+        sources = (info.outputs["Geometry"], same, index)
+        given = store(group, (200, -400 * row), given, name, data_type, sources, by_place)
     group.links.new(given, add_node(group, "NodeGroupOutput", (500, 0)).inputs[0])
 
 
-def same_counts(
-    group: bpy.types.NodeTree, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket
-) -> bpy.types.NodeSocket:
-    """Whether two meshes have as many vertices and corners."""
-    sizes = []
-    for row, geometry in enumerate((first, second)):
-        size = add_node(group, "GeometryNodeAttributeDomainSize", (-800, 200 - 200 * row), component="MESH")
-        group.links.new(geometry, size.inputs[0])
-        sizes.append(size.outputs)
+def same_counts(group: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Whether a mesh has as many vertices and corners as the one that was measured."""
+    size = add_node(group, "GeometryNodeAttributeDomainSize", (-800, 200), component="MESH")
     both = add_node(group, "FunctionNodeBooleanMath", (-400, 100), operation="AND")
+    group.links.new(geometry, size.inputs[0])
     for row, name in enumerate(COUNTS):
-        equal = add_node(
-            group, "FunctionNodeCompare", (-600, 200 - 200 * row), data_type="INT", operation="EQUAL", label=name
-        )
-        for size, socket in zip(sizes, [item for item in equal.inputs if item.type == "INT"], strict=True):
-            group.links.new(size[name], socket)
+        place = (-600, 200 - 200 * row)
+        equal = add_node(group, "FunctionNodeCompare", place, name=name, data_type="INT", operation="EQUAL")
+        group.links.new(size.outputs[name], integers(equal)[0])
         group.links.new(equal.outputs[0], both.inputs[row])
     return both.outputs[0]
+
+
+def integers(node: bpy.types.Node) -> list[bpy.types.NodeSocket]:
+    """The two whole numbers that a node compares."""
+    return [socket for socket in node.inputs if socket.type == "INT"]
 
 
 def store(

@@ -6,10 +6,11 @@ import bpy
 import mathutils
 import numpy as np
 
-from ..bridge import MeshArrays, ParadescError
+from ..bridge import MeshArrays
 from ..core.job import Results
 from . import carrying, mesh_io, modes, ownership, record, source_meshes
-from .arrays import kind_of
+from .arrays import set_values
+from .unwrap import fill
 
 COPY_SUFFIX = "_paradesc"
 
@@ -23,28 +24,47 @@ def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.R
         mesh_io.check_count(target.data, results)
         extras = mesh_io.extras_on(target.data, results)
         at = mesh_io.places(target.data, results.values, extras)
-        mesh_io.write_at(target.data, results, at, mesh_io.drawing(target.data, results))
+        mesh_io.write_at(target.data, results, at, mesh_io.drawing(results, *mesh_io.surface_of(target.data)))
         carrying.release(target.data, mesh_io.attribute_names(results.values, extras, at))
     return mesh_io.moved_notes(at)
 
 
 def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
     """Carries the results to what the modifiers make; the object's own vertices get theirs, or the nearest ones."""
-    mesh, by_place = carrier_mesh(target, reading.arrays), reading.vertices is None
-    if by_place:
-        reading = replace(reading, vertices=nearest(target.data, reading.arrays))
-    try:
-        own = on_original(results, reading)
-        mesh_io.check_count(target.data, own)
-        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
-        drawn = mesh_io.drawing(mesh, results)
-        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-        mesh_io.write_at(target.data, own, at, drawn)
-    except ParadescError:
-        bpy.data.meshes.remove(mesh)
-        raise
-    carrying.carry(target, mesh, by_place)
+    arrays, is_lost = reading.arrays, reading.vertices is None
+    if is_lost:
+        reading = replace(reading, vertices=nearest(target.data, arrays))
+    own, triangles = on_original(results, reading), arrays.triangle_vertices
+    mesh_io.check_count(target.data, own)
+    at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
+    drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
+    mesh_io.write_at(target.data, own, at, drawn)
+    mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
+    mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
+    carrying.carry(target, mesh, measured(arrays, is_lost))
     return mesh_io.moved_notes(at) + former_notes(target)
+
+
+def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
+    """What carrying has to know of the mesh that was measured; is_lost: it lacks own vertices of the object."""
+    return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
+
+
+def carrier_mesh(
+    target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
+) -> bpy.types.Mesh:
+    """The mesh of a carrier, with the values of earlier bakes whose attributes the object's own mesh still has.
+
+    It has faces only where places have to be found again, because own vertices are lost.
+    """
+    mesh, faces = carrying.emptied(target), arrays.triangle_vertices if is_lost else np.empty((0, 3), np.int32)
+    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
+    kept = {name: values for name, values in earlier.items() if name in target.data.attributes}
+    mesh_io.make_attributes(mesh, list(kept))
+    for name, values in kept.items():
+        set_values(mesh.attributes[name], values)
+    record.take_over(target.data, mesh)
+    return mesh
 
 
 def on_original(results: Results, reading: source_meshes.Reading) -> Results:
@@ -90,38 +110,18 @@ def former_notes(target: bpy.types.Object) -> list[str]:
     ]
 
 
-# ---- Evaluated meshes
+# ---- Copies
 
 
-def carrier_mesh(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Mesh:
-    """The mesh that the modifiers make, with nothing but the values that earlier bakes have left on it."""
-    mesh = evaluated_copy(target)
-    if len(mesh.vertices) != len(arrays.positions):
-        bpy.data.meshes.remove(mesh)
-        raise mesh_io.refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
-    former = [name for name in carrying.carried_names(target) if name in target.data.attributes]
-    there = [name for name in former if name in mesh.attributes]
-    carrying.keep_only(mesh, [name for name in there if kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)])
-    if former:
-        record.take_over(carrying.carrier_of(target), mesh)
-    return mesh
-
-
-def evaluated_copy(target: bpy.types.Object) -> bpy.types.Mesh:
-    """A mesh of its own as the modifiers make it, without what we keep on the object's own mesh."""
+def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
+    """An object beside this one, with its modifiers applied and every value on the vertices that they make."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(
         target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
     for name in (record.PROPERTY, ownership.PROPERTY):
         if name in mesh:
-            del mesh[name]
-    return mesh
-
-
-def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
-    """An object beside this one, with its modifiers applied and every value on the vertices that they make."""
-    mesh = evaluated_copy(target)
+            del mesh[name]  # a record's attributes may not all be there
     record.take_over(target.data, mesh)
     ownership.leave(mesh, record.attributes_of(mesh))
     active = target.data.color_attributes.active_color

@@ -4,6 +4,8 @@ Blender's own solid shading shows the active image of a material, into which its
 choice stays the user's. What is shown is known to this session alone, by names, which outlive an undo.
 """
 
+import atexit
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -40,7 +42,7 @@ class Shown:
     image: Key
     uv_map: str
     nearer: float  # a length in the world by which it is drawn nearer besides
-    batch: object = None  # the triangles as the graphics card has them; None where they are to be made
+    batch: object = None  # the triangles as the graphics card has them; None: they are to be made; False: none are
     size: float = 0.0  # of the mesh
 
 
@@ -63,8 +65,9 @@ def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: 
     _shown[key_of(target)] = Shown(key_of(image), uv_map, nearer)
     if "handle" not in _kept and not bpy.app.background:
         _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
-        for calls in changes():
-            calls.append(forget_batches)
+        for calls, function in handlers():
+            calls.append(function)
+        atexit.register(end)
     redraw()
 
 
@@ -82,12 +85,10 @@ def shown(target: bpy.types.Object) -> str:
 
 def hide(target: bpy.types.Object | None = None) -> None:
     """Shows no image any more on the object, or on any."""
-    for key in list(_shown) if target is None else [key_of(target)]:
-        _shown.pop(key, None)
-    if not _shown and "handle" in _kept:
-        bpy.types.SpaceView3D.draw_handler_remove(_kept.pop("handle"), "WINDOW")
-        for calls in changes():
-            calls.remove(forget_batches)
+    if target is None:
+        _shown.clear()
+    else:
+        _shown.pop(key_of(target), None)
     redraw()
 
 
@@ -99,10 +100,11 @@ def redraw() -> None:
                 area.tag_redraw()
 
 
-def changes() -> list[list]:
-    """Blender's lists of what it calls when meshes may have changed."""
+def handlers() -> list[tuple[list, Callable[..., None]]]:
+    """Blender's lists of what it calls when meshes may have changed, and what is called then."""
     calls = bpy.app.handlers
-    return [calls.depsgraph_update_post, calls.frame_change_post, calls.load_post, calls.undo_post, calls.redo_post]
+    changes = (calls.depsgraph_update_post, calls.frame_change_post, calls.undo_post, calls.redo_post)
+    return [*((calls, forget_batches) for calls in changes), (calls.load_post, forget_file)]
 
 
 @persistent
@@ -116,6 +118,12 @@ def forget_batches(_scene: object = None, depsgraph: bpy.types.Depsgraph | None 
             own.batch = None
 
 
+@persistent
+def forget_file(*_words: object) -> None:
+    """Shows nothing in a file that has just been opened, whose objects may have the names of others."""
+    _shown.clear()
+
+
 # ---- Drawing
 
 
@@ -125,12 +133,15 @@ def draw() -> None:
     space = context.space_data
     if space.shading.type != "SOLID":
         return
-    for key, own in list(_shown.items()):
+    for key, own in _shown.items():
         target, image = bpy.data.objects.get(key), bpy.data.images.get(own.image)
         if target is None or image is None or target.type != "MESH":
-            del _shown[key]
-        elif target.mode == "OBJECT" and target.visible_get(viewport=space):
-            draw_one(context, target, image, own)
+            continue  # until a redo brings them back
+        if target.mode == "OBJECT" and target.visible_get(viewport=space) and own.batch is not False:
+            try:
+                draw_one(context, target, image, own)
+            except Exception:  # noqa: BLE001 (an image without its file, or whatever a driver refuses, at each redraw)
+                own.batch = False
 
 
 def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.types.Image, own: Shown) -> None:
@@ -141,12 +152,11 @@ def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.ty
         prepare(context, target, own)
     if not own.batch:
         return
-    view = context.region_data.view_matrix
-    matrix = target.matrix_world
-    distance = max((view @ matrix).translation.length, 1e-6)
-    nearer = own.nearer + NEARER * own.size * max(matrix.to_scale())
+    view, matrix = context.region_data.view_matrix, target.matrix_world
+    size = own.size * max(matrix.to_scale())
+    nearer = min(own.nearer, 0.5 * size) + NEARER * size
     if context.region_data.is_perspective:  # toward the eye, so that nothing moves on the screen
-        moved = Matrix.Scale(1 - min(nearer / distance, 0.5), 4)
+        moved = Matrix.Scale(1 - nearer / max((view @ matrix).translation.length, size, nearer), 4)
     else:
         moved = Matrix.Translation((0, 0, nearer))
     shader = made_shader()
@@ -212,7 +222,19 @@ def made_shader() -> object:
 classes = ()
 
 
+def end() -> None:
+    """Lets go of what the graphics card holds, about which Blender would complain when it quits."""
+    _shown.clear()
+    _kept.pop("shader", None)
+
+
 def unregister() -> None:
-    """Shows nothing any more."""
-    hide()
-    _kept.clear()
+    """Shows nothing any more, and ends what Blender calls."""
+    end()
+    atexit.unregister(end)
+    handle = _kept.pop("handle", None)
+    if handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+        for calls, function in handlers():
+            if function in calls:
+                calls.remove(function)

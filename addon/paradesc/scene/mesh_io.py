@@ -202,16 +202,16 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     with modes.object_mode(target):
         check_count(target.data, results)
         at = places(target.data, results.values, extras_on(target.data, results))
-        write_at(target.data, results, at, drawing(target.data, results))
+        write_at(target.data, results, at, drawing(results, *surface_of(target.data)))
     return moved_notes(at)
 
 
-def drawing(mesh: bpy.types.Mesh, results: Results) -> Drawing:
-    """How the colors of results, which are those of this mesh's vertices, are made, and what a record says of that."""
+def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> Drawing:
+    """How the colors of results are made, and what a record says of that; with the surface as surface_of() has it."""
     found = {}
     for name, values in results.values.items():
         shown = results.shown(name)
-        told = automatic(shown, results.look) | extremes(mesh, values, shown)
+        told = automatic(shown, results.look) | extremes(positions, triangles, values, shown)
         found[name] = (shown, record.drawing_of(shown, results, name) | told)
     return found
 
@@ -308,17 +308,20 @@ def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, 
 DARK, BRIGHT, DARKEST, ENOUGH_FACES = 0.05, 0.95, 0.8, 100_000
 
 
-def extremes(mesh: bpy.types.Mesh, values: np.ndarray, shown: color_maps.ValueRange) -> dict[str, float]:
-    """About which shares of the area a mask shows nearly black and nearly white; {} of what is no mask.
+def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """(vertex_count, 3) float32 positions, and (n, 3) int32 first three vertices of enough faces."""
+    starts = read_array(mesh.polygons, "loop_start", np.int32)[:: 1 + len(mesh.polygons) // ENOUGH_FACES]
+    return read_positions(mesh), read_corner_vertices(mesh)[starts[:, None] + np.arange(3)]
 
-    Each face counts by its first three corners.
-    """
+
+def extremes(
+    positions: np.ndarray, triangles: np.ndarray, values: np.ndarray, shown: color_maps.ValueRange
+) -> dict[str, float]:
+    """About which shares of the area a mask shows nearly black and nearly white; {} of what is no mask or surface."""
     if values.ndim == 2 or shown.color_map.diverging:
         return {}
-    starts = read_array(mesh.polygons, "loop_start", np.int32)[:: 1 + len(mesh.polygons) // ENOUGH_FACES]
-    corners = read_corner_vertices(mesh)[starts[:, None] + np.arange(3)]
-    corners = corners[np.isfinite(values[corners]).all(axis=1)]
-    areas = double_areas(read_positions(mesh)[corners])
+    corners = triangles[np.isfinite(values[triangles]).all(axis=1)]
+    areas = double_areas(positions[corners])
     if not areas.sum() > 0:
         return {}
     places = shown.shares(values[corners])

@@ -40,6 +40,9 @@ class Reading:
     source: str
     vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
     own: bool = True  # every original vertex is among the arrays'
+    earlier: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # values of earlier bakes that are carried, by attribute
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -88,11 +91,12 @@ def read(
             return Reading(moved(mesh, original()), source)
         arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
         vertices = None if marks is None else carried(mesh, marks)
+        earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
     if former is not None and former.source == source and same_corners(former.arrays, arrays):
         return replace(former, arrays=arrays)
     if not placing:
         return Reading(arrays, source, own=False)
-    return placed(target, arrays, origins(target) if vertices is None else vertices)
+    return placed(arrays, origins(target) if vertices is None else vertices, earlier)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
@@ -115,12 +119,12 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
         return Reading(moved(mesh, base), "deformed", notes=notes)
 
 
-def placed(target: bpy.types.Object, arrays: MeshArrays, vertices: np.ndarray) -> Reading:
+def placed(arrays: MeshArrays, vertices: np.ndarray, earlier: dict[str, np.ndarray]) -> Reading:
     """The arrays that the whole stack of modifiers made, and where their results go, by the original vertices."""
     notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
     if not len(vertices) or (vertices < 0).any():
-        return Reading(arrays, "evaluated", None, own=False, notes=notes)
-    return Reading(arrays, "evaluated", vertices, notes=notes)
+        return Reading(arrays, "evaluated", None, own=False, earlier=earlier, notes=notes)
+    return Reading(arrays, "evaluated", vertices, earlier=earlier, notes=notes)
 
 
 def quoted(names: list[str]) -> str:

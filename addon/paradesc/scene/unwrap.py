@@ -172,6 +172,7 @@ def unwrapped(
     mesh = bpy.data.meshes.new(TEMPORARY)
     try:
         fill(mesh, positions, corner_vertices, sizes)
+        mesh.uv_layers.new(name="UVMap", do_init=False)
         with edit_mode(mesh):
             run_operator()
         returned = np.empty(len(mesh.loops), np.int32)
@@ -189,7 +190,7 @@ def unwrapped(
 
 
 def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> None:
-    """Gives an empty mesh its vertices, faces and one UV map."""
+    """Gives an empty mesh its vertices and faces."""
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     mesh.loops.add(len(corner_vertices))
@@ -199,7 +200,6 @@ def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarra
     if bpy.app.version < (3, 6, 0):
         mesh.polygons.foreach_set("loop_total", sizes.astype(np.int32))
     mesh.update(calc_edges=True)
-    mesh.uv_layers.new(name="UVMap", do_init=False)
 
 
 @contextmanager

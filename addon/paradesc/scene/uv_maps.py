@@ -59,12 +59,12 @@ def read_over(target: bpy.types.Object, settings: job.Settings, request: targets
         with active(target, name):
             read = targets.read(target, settings, request)
         if not fault(read.measured):
-            return Over(read, name, note=f'The mesh {reason}: the image lies over "{name}", of an earlier bake.{said}')
+            return Over(read, name, note=f'Over the UV map "{name}": the mesh {reason}.{said}')
     name = make(target)
     with active(target, name):
         read = targets.read(target, settings, request)
     return Over(
-        read, name, True, f'The mesh {reason}: Smart UV Project made "{name}", and the image lies over it.{said}'
+        read, name, True, f'New UV map "{name}": the mesh {reason}.{said}'
     )
 
 

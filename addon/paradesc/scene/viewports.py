@@ -14,7 +14,9 @@ from . import image_preview, record
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
 # saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
 FORMER = "paradesc_color_type"
-# Another one, where undo has taken away what the viewports showed, and redo may bring it back.
+# Another one: the numbers of the viewports that were solid before they showed materials.
+SOLID_BEFORE = "paradesc_solid_before"
+# Another one, of the same form: how viewports showed what undo has taken away, and redo or another radius brings back.
 UNDONE = "paradesc_undone"
 ATTRIBUTES = "VERTEX"
 # Highlights, shadows and Blender's own cavities would be taken for values.
@@ -84,10 +86,11 @@ def reveal(context: bpy.types.Context) -> None:
         return
     image_preview.hide()  # which lies over them
     screen, look = context.screen, wanted(context)
+    undone = {} if screen is None else screen.get(UNDONE, {})
     for number, shading in shadings(screen):
         seen = number in formers(screen) and shading.color_type == ATTRIBUTES
         if shading.type == "SOLID" and (look is LIT or not seen):
-            show_attributes(screen, shading, look)
+            show_attributes(screen, shading, dict(undone[number]) if look is PLAIN and number in undone else look)
     if screen is not None and UNDONE in screen:
         del screen[UNDONE]
 
@@ -96,21 +99,27 @@ def reveal_materials(context: bpy.types.Context) -> None:
     """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
-    for _, shading in shadings(context.screen):
-        if shading.type == "SOLID":
-            shading.type = "MATERIAL"
+    solid = [(number, shading) for number, shading in shadings(context.screen) if shading.type == "SOLID"]
+    for _, shading in solid:
+        shading.type = "MATERIAL"
+    if solid:
+        context.screen[SOLID_BEFORE] = [int(number) for number, _ in solid]
 
 
 def can_restore(context: bpy.types.Context) -> bool:
     """Whether it is known how the viewports looked before."""
-    return context.screen is not None and FORMER in context.screen
+    return context.screen is not None and (FORMER in context.screen or SOLID_BEFORE in context.screen)
 
 
 def restore(screen: bpy.types.Screen) -> None:
     """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
-    former = formers(screen)
-    del screen[FORMER]
+    former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
+    for name in (FORMER, SOLID_BEFORE):
+        if name in screen:
+            del screen[name]
     for number, shading in shadings(screen):
+        if int(number) in solid and shading.type == "MATERIAL":
+            shading.type = "SOLID"
         give_back(shading, former.get(number, {}))
 
 
@@ -134,9 +143,10 @@ def shows_ours(window: bpy.types.Window) -> bool:
 def on_undo(*_ignored: object) -> None:
     """Brings back what viewports showed before the bake that was undone."""
     for window in bpy.context.window_manager.windows:
-        if FORMER in window.screen and not shows_ours(window):
+        if (FORMER in window.screen or SOLID_BEFORE in window.screen) and not shows_ours(window):
+            shown = [(number, one) for number, one in shadings(window.screen) if one.color_type == ATTRIBUTES]
+            window.screen[UNDONE] = {number: {name: getattr(one, name) for name in PLAIN} for number, one in shown}
             restore(window.screen)
-            window.screen[UNDONE] = True
 
 
 @persistent

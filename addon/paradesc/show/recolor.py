@@ -87,7 +87,7 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     mesh_io.write_colors(mesh, name, values, shown)
     drawn = {
         **record.drawing(shown),
-        **mesh_io.extremes(mesh, values, shown),
+        **mesh_io.extremes(*mesh_io.surface_of(mesh), values, shown),
         **{word: drawn[word] for word in KEPT if word in drawn},
     }
     record.write(mesh, {}, {name: shown}, {name: drawn})
@@ -108,7 +108,8 @@ def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -
     shown = recolor(whole, name, look)
     if whole != target.data:
         recolor(target.data, name, replace(look, ranges={registry_name(name): (shown.minimum, shown.maximum)}))
-        record.write(target.data, {}, {}, {name: record.read(whole)["drawn"][name]})
+        own, told = (record.read(mesh)["drawn"][name] for mesh in (target.data, whole))
+        record.write(target.data, {}, {}, {name: {**own, **told}})
 
 
 def obstacle(context: bpy.types.Context) -> str:

@@ -109,10 +109,10 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
         place.operator(name, text=words, icon=icon, translate=False)
         if place == row and is_mesh(active):
             row.prop(active.paradesc_live, "follows", toggle=True)
-    draw_wear(layout)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
+    draw_wear(layout)
 
 
 def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:

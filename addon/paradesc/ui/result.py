@@ -27,6 +27,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
+            if viewports.SOLID_BEFORE in context.screen:  # wear has shown materials
+                row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
         elif not viewports.is_shown(context):
             row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
         elif viewports.can_restore(context):
@@ -82,8 +84,9 @@ def result_sentence(stored: dict[str, dict]) -> str:
     """What a bake did and how long it took: "Openness · 0.2 s"."""
     asked = stored["settings"].get("descriptors")
     names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
-    seconds = f"{stored['field_report']['seconds_total']:.1f}"
-    return label("{what} · {seconds} s").format(what=baked_words(names), seconds=seconds)
+    seconds = stored["field_report"]["seconds_total"]
+    shown = f"{seconds:.1f}" if seconds >= 0.1 else f"{seconds:.2f}"
+    return label("{what} · {seconds} s").format(what=baked_words(names), seconds=shown)
 
 
 def baked_words(names: list[str]) -> str:

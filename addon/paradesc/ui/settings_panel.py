@@ -77,8 +77,10 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         """Draws samples, creases and device, and what only devices or research know."""
         for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
             setting(layout, settings, name)
+        column = layout.column(align=True)
+        column.label(text="Device")
         text = device_words(devices.label_of(settings.backend, settings.device_index))
-        layout.menu("PARADESC_MT_devices", text=text, translate=False)
+        column.menu("PARADESC_MT_devices", text=text, translate=False)
         if settings.backend in WITH_BUFFERS:
             setting(layout, settings, "buffer_size")
 

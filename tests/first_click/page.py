@@ -1,0 +1,73 @@
+"""Turns the rows of the first click into lines for the console and into a page."""
+
+import time
+from typing import TYPE_CHECKING
+
+import measures
+
+if TYPE_CHECKING:
+    from report import Row
+
+INTRODUCTION = f"""# The first click
+
+Each asset is imported and clicked once with every setting at its default: on the mask that suits it, and on *Bake to Image* where most
+of its area lies in faces too large for colors at vertices. The values are those shown, from black 0 to white 1, weighted by area.
+
+| measure | what it is | wanted |
+|---|---|---|
+| white | the value at the 98th percentile of what is not black (above 1/255) | at least {measures.WHITE} |
+| bright | share of the area above {measures.BRIGHT} | {measures.LEAST_BRIGHT:.0%} to {measures.MOST_BRIGHT:.0%} |
+| dark | share of the area below {measures.DARK} | at most {measures.MOST_DARK:.0%} |
+| flat | of hard surfaces: the largest mean on a flat face; in brackets the share of the area that is flat | at most {measures.MOST_ON_FLAT} |
+
+A point is flat if it is farther than {measures.CLEAR} radii from every edge between triangles that differ by {measures.COPLANAR:g} degree or more, and
+its plane (triangles joined by lesser edges) nowhere differs by more from its mean. A face is as bright as the mean of its flat points.
+Vertices are measured at the corners of triangles, images at 200,000 points of the surface.
+
+*Dirty* is Blender's Dirty Vertex Colors at its defaults, inverted for cavities. *Pointiness* is that of the Geometry node, baked by
+Cycles at the vertices, behind a ramp from 0.5 to 0.55 (to 0.45 for cavities), as tutorials set it. What is flat for them is so by the
+radius of the click.
+"""
+
+
+def cells(row: "Row") -> list[str]:
+    """The four measures, as they are written."""
+    if row.found is None:
+        return ["–"] * 4
+    found = row.found
+    flat = "–" if found.on_flat is None else f"{found.on_flat:.3f} ({found.flat:.1%})"
+    return [f"{found.white:.2f}", f"{found.bright:.1%}", f"{found.dark:.1%}", flat]
+
+
+def verdict(row: "Row") -> str:
+    """What is wrong, or that it is usable."""
+    return ", ".join(row.faults) or "usable"
+
+
+def line(row: "Row") -> str:
+    """One line of the console; a star stands before what is judged."""
+    radius = f"{row.percent:.2f} %" if row.percent else ""
+    return (
+        f"{'*' if row.judged else ' '} {row.asset:11} {row.mask:10}{row.by:11}{radius:>8}"
+        + "".join(f"{cell:>7}" for cell in cells(row)[:3])
+        + f"  {cells(row)[3]:16} {verdict(row)}\n"
+    )
+
+
+def summary(rows: list["Row"], left_out: list[str]) -> str:
+    """How many of the judged masks are usable, and what was left out."""
+    judged = [row for row in rows if row.judged]
+    usable = sum(not row.faults for row in judged)
+    return "".join(f"{sentence}\n" for sentence in left_out) + f"usable: {usable} of {len(judged)}\n"
+
+
+def page(rows: list["Row"], left_out: list[str]) -> str:
+    """The whole page."""
+    head = "| asset | mask | by | radius | white | bright | dark | flat | |\n|---|---|---|---:|---:|---:|---:|---:|---|\n"
+    body = ""
+    for row in rows:
+        first = [f"**{row.asset}**" if row.judged else "", row.mask if row.judged or not row.percent else row.mask, row.by]
+        radius = f"{row.percent:.2f} %" if row.percent else ""
+        body += "| " + " | ".join([*first, radius, *cells(row), verdict(row)]) + " |\n"
+    end = f"\nMeasured on {time.strftime('%Y-%m-%d')} by `tests/first_click/report.py --page`; {summary(rows, left_out)}"
+    return f"{INTRODUCTION}\n{head}{body}{end}"

@@ -1,0 +1,105 @@
+"""A picture of each asset for people to look at: Dirty, Pointiness, Cavity and Edge Wear beside each other, in flat light."""
+
+import math
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from paradesc.files import lettering, png, png_reading
+
+SIZE, LABEL = 400, 28
+WORDS = (225, 225, 225)
+DIRECTION = Vector((0.75, -1.0, 0.55)).normalized()  # from which assets are looked at
+MARGIN = 1.08
+
+
+def set_up(target: bpy.types.Object) -> None:
+    """A camera that sees all of the object, and flat light on the colors that are shown."""
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_WORKBENCH"
+    scene.display.shading.light, scene.display.render_aa = "FLAT", "8"
+    scene.view_settings.view_transform = "Standard"
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.image_settings.file_format, scene.render.image_settings.color_mode = "PNG", "RGB"
+    scene.world = bpy.data.worlds.new("ground")
+    scene.world.color = (0.045, 0.05, 0.06)
+    camera = scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(camera)
+    for item in bpy.data.objects:
+        item.hide_render = item not in (target, camera)
+    turn = DIRECTION.to_track_quat("Z", "Y")
+    camera.rotation_euler = turn.to_euler()
+    corners = [target.matrix_world @ vertex.co for vertex in target.data.vertices]
+    seen = np.array([turn.inverted() @ corner for corner in corners])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", float((high - low)[:2].max()) * MARGIN
+    depth = float(high[2] - low[2])
+    middle = Vector([*((low + high) / 2)[:2], high[2] + depth + 1])
+    camera.location = turn @ middle
+    camera.data.clip_start, camera.data.clip_end = 0.5, 3 * depth + 2
+
+
+def drawn(target: bpy.types.Object, colors: str = "", image: bpy.types.Image | None = None) -> np.ndarray:
+    """(SIZE, SIZE, 3) uint8 of the object with a color attribute, or with an image."""
+    shading = bpy.context.scene.display.shading
+    if image is None:
+        shading.color_type = "VERTEX"
+        target.data.color_attributes.active_color = target.data.color_attributes[colors]
+    else:
+        shading.color_type = "TEXTURE"
+        material = bpy.data.materials.new("image")
+        material.use_nodes = True
+        node = material.node_tree.nodes.new("ShaderNodeTexImage")
+        node.image = image
+        material.node_tree.nodes.active = node
+        target.data.materials.clear()
+        target.data.materials.append(material)
+        for face in target.data.polygons:
+            face.material_index = 0
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "view.png"
+        bpy.context.scene.render.filepath = str(path)
+        bpy.ops.render.render(write_still=True)
+        return read(path)
+
+
+def read(path: Path) -> np.ndarray:
+    """(height, width, 3) uint8 of a file that Blender has rendered."""
+    image = bpy.data.images.load(str(path))
+    width, height = image.size
+    found = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return np.round(255 * found).astype(np.uint8)
+
+
+def written(path: Path, views: dict[str, np.ndarray]) -> None:
+    """The views beside each other, each with its name."""
+    sheet = np.full((SIZE + LABEL, SIZE * len(views), 3), 24, np.uint8)
+    for number, (name, view) in enumerate(views.items()):
+        sheet[LABEL:, number * SIZE : (number + 1) * SIZE] = view
+        lettering.draw_text(sheet, name, number * SIZE + 8, 4, 2, WORDS)
+    png.write_png(path, sheet)
+
+
+def contact(path: Path, sheets: list[Path], width: int = 640) -> None:
+    """All sheets below each other in two columns, small."""
+    pictures = [read(sheet) for sheet in sheets]
+    step = pictures[0].shape[1] // width + (pictures[0].shape[1] % width > 0)
+    small = [shrunk(picture, step) for picture in pictures]
+    rows = math.ceil(len(small) / 2)
+    high, wide = small[0].shape[:2]
+    sheet = np.full((rows * high, 2 * wide, 3), 24, np.uint8)
+    for number, picture in enumerate(small):
+        top, left = number // 2 * high, number % 2 * wide
+        sheet[top : top + high, left : left + wide] = picture
+    png.write_png(path, sheet)
+
+
+def shrunk(picture: np.ndarray, step: int) -> np.ndarray:
+    """The picture with means of squares of so many pixels."""
+    high, wide = (length // step * step for length in picture.shape[:2])
+    squares = picture[:high, :wide].reshape(high // step, step, wide // step, step, 3)
+    return np.round(squares.mean(axis=(1, 3))).astype(np.uint8)

@@ -1,0 +1,72 @@
+"""The seven assets: imported, and clicked once with no setting touched; then the sizes of the radius on one of them."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import bpy
+import person
+from assets import ASSETS
+from measures import flat_points, measured
+from scenes import as_found, clicked, imported, shading
+
+import clicks
+from paradesc.files.preset_rules import PRESETS
+
+if TYPE_CHECKING:
+    from drive import Run
+
+REAL = [asset for asset in ASSETS.values() if asset.file]
+
+
+def one_click(run: "Run", asset: object) -> Iterator[None]:
+    """Imports an asset, presses its mask if that is not the default, and clicks once."""
+    as_found()
+    objects = imported(asset.file)
+    target = next(item for item in objects if item.type == "MESH")
+    shading().light, shading().color_type = "STUDIO", "MATERIAL"
+    if asset.mask != "cavity":
+        yield from person.press(f"paradesc.mask(name='{asset.mask}'")
+    words = yield from clicked()
+    file = yield from run.picture(asset.name)
+    (name,) = PRESETS[asset.mask].members["descriptors"]
+    shown = clicks.in_image(target) if words.startswith("bake_image") else clicks.at_vertices(target, name)
+    surface = clicks.surface_of(shown.target.data)
+    flat = flat_points(surface, shown.points, shown.radius) if asset.hard else None
+    found = measured(shown.values, shown.points, flat)
+    text = f"{asset.name}, {asset.mask}, {words}: radius {100 * shown.radius / surface.diagonal:.2f} %, white {found.white:.2f}"
+    text += f", {found.bright:.1%} above 0.5, {found.dark:.1%} below 0.05, flat {found.on_flat}; {', '.join(found.faults()) or 'usable'}"
+    run.saw("A2" if not asset.hard else "A3", text, not found.faults(), file)
+
+
+def sizes(run: "Run") -> Iterator[None]:
+    """Fine, Medium, Broad on the beast."""
+    as_found()
+    imported("beast.obj")
+    place = yield from person.find("paradesc.radius_fit")
+    if place is None:
+        run.saw("A2", "no Fine, Medium, Broad on the panel", False)
+        return
+    there = person.region("UI")
+    radii = []
+    for size, share in (("fine", 0.15), ("broad", 0.8)):
+        yield from person.click(there.x + share * (there.width - 24), place[1])
+        yield from person.drawn(2)
+        chosen = bpy.context.scene.paradesc.radius_fit
+        yield from clicked()
+        file = yield from run.picture(f"beast_{size}")
+        radii.append(bpy.context.scene.paradesc.radius_percent)
+        run.saw("A2", f"beast, click on {size}: {chosen}, {radii[-1]:.2f} %", chosen == size, file)
+    run.saw("A2", "broad is larger than fine", radii[1] > radii[0])
+
+
+def steps(run: "Run") -> Iterator[None]:
+    """One after another."""
+    yield from person.alone()
+    yield from person.open_tab()
+    for asset in REAL:
+        if asset.missing:
+            run.saw("A2", asset.missing)
+        else:
+            yield from run.tried("A2", one_click(run, asset))
+    if not ASSETS["beast"].missing:
+        yield from run.tried("A2", sizes(run))
