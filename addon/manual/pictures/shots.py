@@ -210,13 +210,13 @@ def draw_low_poly(path: str) -> None:
     tiles.append(studio.tile([item], size, view, FLAT_SAMPLES, lit=False))
     item.data.materials.clear()
     item.data.materials.append(material)
-    wear_by_images(item, "PAINTED_METAL", Edges=image)
+    wear(item, "PAINTED_METAL")
     tiles.append(studio.tile([item], size, view, SAMPLES, lit=True))
     item.data.calc_loop_triangles()
     words = (
         f"{len(item.data.loop_triangles)} triangles, no bevel",
         "Edge Wear, baked to an image",
-        "The image on Wear: Edges",
+        "Add Wear to Material",
     )
     studio.save(studio.sheet(tiles, words, 3), path)
 

@@ -63,6 +63,7 @@ def sculpting_steps(path: str) -> Iterator[None]:
     """Masks the edges in sculpt mode and takes the picture."""
     yield from alone()
     subjects.creature()
+    bpy.context.scene.paradesc.radius_percent = 3.0
     place = from_the_front()
     with bpy.context.temp_override(**place):
         bpy.ops.object.mode_set(mode="SCULPT")
