@@ -1,25 +1,22 @@
 """The pictures of assets: paint before and after wear, masks, radii and levels, textures, and what others need."""
 
 import math
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import bpy
 import numpy as np
 import studio
+import subjects
 from PIL import Image
 from studio import View
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
-import models
+from subjects import models
 
 from paradesc import bridge
 from paradesc.settings.presets import PRESETS
 
 MASKS = {"cavity": "cavity", "edge_wear": "convexity", "openness": "ambient_openness", "curvature": "mean_curvature"}
 LABELS = {"cavity": "Cavity", "edge_wear": "Edge Wear", "openness": "Openness", "curvature": "Curvature"}
-SAMPLES, FLAT_SAMPLES = 32, 12
+SAMPLES, FLAT_SAMPLES = 24, 10
 RED, GREEN, STONE, SKIN = (0.4, 0.02, 0.014), (0.035, 0.07, 0.03), (0.24, 0.22, 0.19), (0.09, 0.14, 0.04)
 TEAL, BLUE = (0.02, 0.16, 0.17), (0.03, 0.08, 0.2)
 
@@ -35,11 +32,6 @@ def wear(item: bpy.types.Object, look: str) -> None:
     """One click on Add Wear."""
     studio.select([item])
     bpy.ops.paradesc.add_wear(look=look)
-
-
-def fine(make: Callable, step: float) -> bpy.types.Object:
-    """A sculpted model in smaller faces than tests need."""
-    return make(step=step)
 
 
 # ---- README
@@ -142,6 +134,22 @@ def draw_looks(path: str) -> None:
         wear(item, look)
         tiles.append(studio.tile([item], (630, 520), view, SAMPLES, lit=True))
     studio.save(studio.sheet(tiles, ("Painted Metal", "Old Stone", "Dusty Plastic"), 3), path)
+
+
+def draw_creases(path: str) -> None:
+    """Mean curvature of a machine part and of a goblin without and with creases, each in one range of colors."""
+    group, looks, tiles = bpy.context.scene.paradesc, bpy.context.scene.paradesc_looks, []
+    looks.span = "fixed"
+    for make, percent, reach, view in (
+        (subjects.machine_part, 4.0, 6.0, View(0, 30)),
+        (subjects.creature, 2.0, 8.0, View(-10, 6)),
+    ):
+        item = make()
+        group.radius_percent, looks.minimum, looks.maximum = percent, -reach, reach
+        for group.creases in ("none", "auto"):
+            studio.show_color(item, bake(item, "curvature"))
+            tiles.append(studio.tile([item], (630, 480), view, FLAT_SAMPLES, lit=False))
+    studio.save(studio.sheet(tiles, ("Creases: None", "Creases: Automatic") * 2, 2), path)
 
 
 def draw_presets(path: str) -> None:
@@ -336,6 +344,7 @@ KINDS = {
     "masks": draw_masks,
     "radii": draw_radii,
     "looks": draw_looks,
+    "creases": draw_creases,
     "presets": draw_presets,
     "trouble": draw_trouble,
     "low_poly": draw_low_poly,
