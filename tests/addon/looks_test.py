@@ -64,7 +64,7 @@ def test_fixed_range_is_that_of_colors_and_legend(baked):
     group().span, group().minimum, group().maximum = "fixed", -0.5, 0.25
     bpy.ops.paradesc.recolor()
     title, shown = overlay.lines_of(baked.data, "mean_curvature")
-    assert title == "mean curvature (1/length)"
+    assert title == "Mean Curvature (1/length)"
     assert (shown.minimum, shown.maximum, shown.neutral) == (-0.5, 0.25, 0.0)
     expected = color_maps.colors(attribute_values(baked.data, "mean_curvature"), shown)
     np.testing.assert_allclose(colors_of(baked), expected, atol=1e-5)
@@ -182,8 +182,9 @@ def test_operators_that_change_the_scene_are_steps_to_undo():
     """Those without a step write files of their own, or change a view, which Blender does not undo either."""
     known = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Operator)]
     without = {cls.bl_idname for cls in known if "UNDO" not in getattr(cls, "bl_options", ())}
-    places = ("add_preset", "manual", "view_colors", "restore_shading", "asset_library")
-    assert without == {f"paradesc.{name}" for name in places}
+    views = ("view_colors", "restore_shading", "show_image", "open_image", "show_research", "look_at_buttons")
+    files = ("add_preset", "manual", "asset_library", "open_image_folder", "save_images")
+    assert without == {f"paradesc.{name}" for name in (*views, *files, "cancel")}
 
 
 def test_operators_are_grey_without_a_bake():

@@ -171,7 +171,7 @@ def test_what_the_mesh_records_is_read_as_it_was_meant(scene, expected):
     lines = report_panel.report_lines(record.read(mesh))
     assert any(line.startswith("Radius: ") for line in lines)
     title, shown = overlay.lines_of(mesh, "mean_curvature")
-    assert title == "mean curvature (1/length)"
+    assert title == "Mean Curvature (1/length)"
     assert [shown.minimum, shown.maximum] == expected["records"]["baked"]["ranges"]["mean_curvature"]
     assert shown.map_name == "heat"
 

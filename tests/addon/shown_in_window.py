@@ -143,6 +143,7 @@ def strokes_are_followed(name: str) -> Iterator[None]:
 def masks_are_seen(name: str) -> Iterator[None]:
     """Writes sculpt mode's mask, whose shade is not seen on the black of a bake."""
     bpy.data.objects[name].paradesc_live.follows = False
+    run_in_view(bpy.ops.paradesc.view_colors)
     assert shown()[0] == viewports.ATTRIBUTES
     run_in_view(bpy.ops.paradesc.mask_from_shape, "INVOKE_DEFAULT", True, mask="openness")
     yield from wait_for(lambda: not baking())

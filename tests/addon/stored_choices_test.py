@@ -19,6 +19,7 @@ ON_MAPS = ["gradient_magnitude", "laplacian", "difference_of_gaussians", "harris
 # All others have numbers from 0 on.
 CHOICES = {
     "Scene.paradesc.map_descriptor": SURFACE[:14],
+    "Scene.paradesc.radius_fit": ["fine", "medium", "broad", "typed"],
     "Scene.paradesc.radius_unit": ["diagonal", "absolute", "mean-edge"],
     "Scene.paradesc.space": ["object", "world"],
     "Scene.paradesc.shape_key": ["basis", "active"],

@@ -1,15 +1,21 @@
 """The assets of the first click: real ones of shared/meshes beside the checkout, and those that the project makes."""
 
+import atexit
+import functools
+import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import made
 
 import paradesc
 
-MESHES = Path(__file__).resolve().parents[3] / "shared" / "meshes"
+ROOT = Path(__file__).resolve().parents[2]
+MESHES = ROOT.parent / "shared" / "meshes"
+sys.path.append(str(ROOT / "blend_samples"))
+import models  # noqa: E402
 
 
 @dataclass(frozen=True)
@@ -35,8 +41,24 @@ class Asset:
         if self.file:
             importer(self.file)(filepath=str(MESHES / self.file))
         else:
-            made.BUILDERS[self.name]()
+            with bpy.data.libraries.load(model_file(self.name)) as (_, taken):
+                taken.objects = [self.name]
+            bpy.context.collection.objects.link(taken.objects[0])
+            bpy.context.view_layer.objects.active = taken.objects[0]
+            taken.objects[0].select_set(True)
         return next(item for item in bpy.context.selected_objects if item.type == "MESH")
+
+
+@functools.cache
+def model_file(name: str) -> str:
+    """A file with one of the models, which takes up to some seconds to make and is wanted in several scenes."""
+    folder = tempfile.TemporaryDirectory()
+    atexit.register(folder.cleanup)
+    made = models.MODELS[name]()
+    path = str(Path(folder.name) / f"{name}.blend")
+    bpy.data.libraries.write(path, {made})
+    bpy.data.objects.remove(made)
+    return path
 
 
 def importer(file: str) -> Callable[..., object]:
@@ -66,7 +88,7 @@ ASSETS = dict(
         row("vase", "cavity"),
         row("column", "cavity"),
         row("helmet", "edge_wear"),
-        row("rock", "edge_wear"),
+        row("rock", "cavity"),
         row("house", "edge_wear", hard=True),
     )
 )

@@ -12,6 +12,8 @@ from paradesc.show import recolor
 
 # Points at which an image is looked at.
 IN_IMAGE = 200_000
+# The ends of the names of images.
+WORDS = {"cavity": "_cavity", "edge_wear": "_edges"}
 
 
 @dataclass
@@ -42,17 +44,17 @@ def surface_of(mesh: bpy.types.Mesh) -> Surface:
 
 
 def click(mask: str, to_image: bool) -> Shown:
-    """Presses the main button, with the mask's own pressed before if it is not the default one."""
+    """Presses the main button, and before it the mask's own if it is none of those that are baked by default."""
     group = bpy.context.scene.paradesc
-    if PRESETS[mask].members["descriptors"] != group.descriptors:
+    (name,) = PRESETS[mask].members["descriptors"]
+    if name not in group.descriptors:
         bpy.ops.paradesc.mask(name=mask)
     try:
         (bpy.ops.paradesc.bake_image if to_image else bpy.ops.paradesc.bake)()
     except RuntimeError as error:
         raise Refused(str(error).strip().removeprefix("Error: ")) from error
-    (name,) = PRESETS[mask].members["descriptors"]
     if to_image:
-        return in_image(next(item for item in bpy.context.selected_objects if item.type == "MESH"))
+        return in_image(next(item for item in bpy.context.selected_objects if item.type == "MESH"), mask)
     return at_vertices(next(item for item in bpy.data.objects if item.type == "MESH" and name in item.data.attributes), name)
 
 
@@ -66,10 +68,10 @@ def at_vertices(target: bpy.types.Object, name: str) -> Shown:
     return Shown("vertices", mesh["paradesc"]["field_report"]["radius"], points, values, target)
 
 
-def in_image(target: bpy.types.Object) -> Shown:
-    """The texels under points of the surface."""
+def in_image(target: bpy.types.Object, mask: str) -> Shown:
+    """The texels of the mask's image under points of the surface."""
     mesh, made = target.data, image_results.found(target)
-    image = made.images[0]
+    image = next(image for image in made.images if WORDS[mask] in image.name)
     surface = surface_of(mesh)
     points = evenly(surface, IN_IMAGE)
     uvs = np.empty(2 * len(mesh.loops), np.float32)

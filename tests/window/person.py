@@ -15,7 +15,7 @@ import screen  # noqa: E402
 
 PATIENCE = 300.0  # seconds that one step may take
 # How far apart the places are at which the mouse looks for a button: less than half a row at Blender's own scale.
-ROW = 9
+ROW = 12
 # Shares of the sidebar's width at which it looks.
 COLUMNS = (0.3, 0.62, 0.85)
 # Pixels from the sidebar's right end to the middle of its tabs.

@@ -19,21 +19,20 @@ REAL = [asset for asset in ASSETS.values() if asset.file]
 
 
 def one_click(run: "Run", asset: object) -> Iterator[None]:
-    """Imports an asset, presses its mask if that is not the default, and clicks once."""
+    """Imports an asset and clicks once; measures the mask that suits it, and says which one is seen."""
     as_found()
     objects = imported(asset.file)
     target = next(item for item in objects if item.type == "MESH")
     shading().light, shading().color_type = "STUDIO", "MATERIAL"
-    if asset.mask != "cavity":
-        yield from person.press(f"paradesc.mask(name='{asset.mask}'")
     words = yield from clicked()
     file = yield from run.picture(asset.name)
     (name,) = PRESETS[asset.mask].members["descriptors"]
-    shown = clicks.in_image(target) if words.startswith("bake_image") else clicks.at_vertices(target, name)
+    shown = clicks.in_image(target, asset.mask) if words.startswith("bake_image") else clicks.at_vertices(target, name)
     surface = clicks.surface_of(shown.target.data)
     flat = flat_points(surface, shown.points, shown.radius) if asset.hard else None
     found = measured(shown.values, shown.points, flat)
-    text = f"{asset.name}, {asset.mask}, {words}: radius {100 * shown.radius / surface.diagonal:.2f} %, white {found.white:.2f}"
+    active = shown.target.data.color_attributes.active_color
+    text = f"{asset.name}, {asset.mask}, {words} shows {active.name if active and not shown.image else shown.image and shown.image.name}: radius {100 * shown.radius / surface.diagonal:.2f} %, white {found.white:.2f}"
     text += f", {found.bright:.1%} above 0.5, {found.dark:.1%} below 0.05, flat {found.on_flat}; {', '.join(found.faults()) or 'usable'}"
     run.saw("A2" if not asset.hard else "A3", text, not found.faults(), file)
 

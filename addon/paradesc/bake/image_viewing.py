@@ -105,7 +105,7 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
         name="Folder", description="Where the files go", default="", subtype="DIR_PATH", options={"SKIP_SAVE"}
     )
     filter_folder: bpy.props.BoolProperty(
-        name="Folders", description="Have the file browser show folders", default=True, options={"HIDDEN"}
+        name="Folders", description="Have the file browser show folders", default=True, options={"HIDDEN", "SKIP_SAVE"}
     )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:

@@ -84,7 +84,7 @@ def reveal(context: bpy.types.Context) -> None:
     """
     if bpy.app.background or not preferences.shows_results():
         return
-    image_preview.hide()  # which lies over them
+    image_preview.hide()  # which would lie over them
     screen, look = context.screen, wanted(context)
     undone = {} if screen is None else screen.get(UNDONE, {})
     for number, shading in shadings(screen):
@@ -113,6 +113,7 @@ def can_restore(context: bpy.types.Context) -> bool:
 
 def restore(screen: bpy.types.Screen) -> None:
     """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
+    image_preview.hide()
     former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
     for name in (FORMER, SOLID_BEFORE):
         if name in screen:

@@ -10,7 +10,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import arrays, carrying, mesh_io, modes, ownership, record, viewports
+from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, record, viewports
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
@@ -253,6 +253,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
         """Makes its colors the active ones on each mesh for which it was baked."""
         if self.name in baked_names(target.data):
             mesh_io.show(target.data, self.name)
+            image_preview.hide(target)
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):
@@ -270,6 +271,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
         """Changes the shading of this viewport alone."""
         shading = context.space_data.shading
         shading.type = "SOLID"
+        image_preview.hide()
         viewports.show_attributes(context.screen, shading, viewports.wanted(context))
         return {"FINISHED"}
 
