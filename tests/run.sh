@@ -106,6 +106,7 @@ if command -v blender >/dev/null && command -v xvfb-run >/dev/null; then
   step "add-on in Blender's window" bash "$root/tests/addon/run_in_window.sh"
   step "live values in Blender's window" bash "$root/tests/addon/run_in_window.sh" "" live_in_window.py
   step "what viewports show in Blender's window" bash "$root/tests/addon/run_in_window.sh" "" shown_in_window.py
+  step "textures in Blender's window" bash "$root/tests/addon/run_in_window.sh" "" image_in_window.py
   step "bakes beside a window that draws" bash "$root/tests/addon/run_in_window.sh" "" coexist_in_window.py
   step "the first click in Blender's window" bash "$root/tests/addon/first_click.sh"
 else

@@ -108,6 +108,7 @@ in_newer_window() {
   copy_to_chroot newer-window "${CHROOT_PACKAGES[@]}" "${WINDOW_PACKAGES[@]}"
   in_debian "$chroot_folder" bash -c "cd $place && blender --version | head -n 1 && bash tests/addon/run_in_window.sh &&
     bash tests/addon/run_in_window.sh '' live_in_window.py && bash tests/addon/run_in_window.sh '' shown_in_window.py &&
+    bash tests/addon/run_in_window.sh '' image_in_window.py &&
     bash tests/addon/run_in_window.sh '' coexist_in_window.py &&
     bash tests/addon/first_click.sh"
 }

@@ -108,6 +108,18 @@ def test_tiles_are_not_shown_and_one_sentence_says_so(folder):  # noqa: F811
         bpy.ops.paradesc.show_image()
 
 
+def test_tiles_have_no_button_to_show_them(folder):  # noqa: F811
+    from panel_test import drawn_by
+
+    from paradesc.ui import panel
+
+    in_tiles(ball())
+    baked()
+    buttons = drawn_by(panel.PARADESC_PT_bake)["operator"]
+    assert "Show on Mesh" not in buttons
+    assert {"Open", "Folder"} <= set(buttons)
+
+
 def test_packed_images_are_saved_as_the_bake_made_them(settings, tmp_path):  # noqa: F811
     made = baked()
     assert bpy.ops.paradesc.save_images(directory=str(tmp_path)) == {"FINISHED"}

@@ -146,6 +146,16 @@ def test_a_bake_that_fails_takes_its_map_away(settings, monkeypatch):
     assert map_names() == []
 
 
+def test_a_mesh_that_cannot_be_read_over_its_new_map_loses_it(settings, monkeypatch):
+    def fails(*_words):
+        raise InputError("It cannot be read.")
+
+    monkeypatch.setattr(uv_maps.targets, "read", fails)
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        bpy.ops.paradesc.bake_image()
+    assert map_names() == []
+
+
 def test_a_map_is_made_in_edit_mode_too(settings):
     bpy.ops.object.mode_set(mode="EDIT")
     assert bpy.ops.paradesc.bake_image() == {"FINISHED"}

@@ -138,7 +138,7 @@ def test_the_main_button_is_the_one_that_shows_a_mask_and_the_other_stays(shown,
     from paradesc.ui import panel
 
     large = shown(kind)
-    found, buttons = drawn(panel.PARADESC_PT_bake), ["Bake Descriptors", "paradesc.bake_image"]
+    found, buttons = drawn(panel.PARADESC_PT_bake), ["Bake Descriptors", "Bake to Image"]
     assert [text for text in found["operator"] if text in buttons] == (buttons[::-1] if large else buttons)
     assert ("Faces are too large" in " ".join(found["label"])) == large
 

@@ -192,7 +192,7 @@ def test_a_bake_with_the_saved_settings_gives_the_saved_values(scene, computed):
     scene.paradesc.descriptors, scene.paradesc_animation.source = set(DESCRIPTORS), "original"
     wanted = below(computed, "baked/")
     mesh = bpy.data.objects["baked"].data
-    for name in wanted:
+    for name in wanted.keys() - {"paradesc_mask"}:  # which is written where it is, and where a value is missing
         mesh.attributes.remove(mesh.attributes[name])
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
     assert_close(attributes("baked", wanted), wanted)

@@ -1,4 +1,4 @@
-"""Whether anything in the panels is cut at the interface's scales, or any sentence with the longer words of other languages.
+"""Whether anything in the panels is cut at the scales of the interface, or any sentence where words are longer.
 
 Blender itself ends a button or a name that is too long with "…"; a sentence has to be seen whole.
 

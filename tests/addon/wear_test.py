@@ -5,6 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from paradesc.scene.node_groups import input_of  # noqa: E402
 from paradesc.settings import asset_library  # noqa: E402
 from paradesc.show import assets, passing, tuned, wear  # noqa: E402
 from scene import add_sphere, fingerprint, select  # noqa: E402
@@ -242,6 +243,16 @@ def test_crates_without_a_material_have_one_each_as_their_images_differ():
     assert len(bpy.data.materials) == 0
 
 
+def test_a_fine_mesh_never_gets_the_look_with_images_of_a_crate(target):
+    box = crate()
+    select(box)
+    add_wear()
+    select(target)
+    add_wear()
+    assert target.active_material != box.active_material
+    assert sources(target.active_material)["Edges"] == "ATTRIBUTE"
+
+
 def test_a_material_that_crates_share_has_masks_at_vertices():
     first, second = crate("first"), crate("second")
     material = user_material(target=first)
@@ -313,6 +324,18 @@ def test_wear_whose_masks_other_nodes_use_stays_with_a_sentence(target):
     (sentence,) = wear.remove(target)
     assert "Dirt" in sentence
     assert links_of(material) == before
+
+
+def test_a_group_from_which_somebody_took_an_input_still_goes_in_and_out(target):
+    material = user_material(target=target)
+    before = everything_in(material)
+    group = assets.shared_group(wear.GROUP)
+    for name in ("Metallic", "Dirt Level", "Proportions"):
+        (group.interface if hasattr(group, "interface") else group.inputs).remove(input_of(group, name))
+    add_wear(look="OLD_STONE")
+    assert len(wear_nodes(material)) == 1
+    bpy.ops.paradesc.remove_wear()
+    assert everything_in(material) == before
 
 
 # ---- What stands in the way
@@ -492,4 +515,5 @@ def test_the_file_of_assets_is_what_the_script_makes(monkeypatch):
         block.name = "made anew"
         found = assets.append(kind, name)
         assert tuned.fingerprint(found) == expected, name
+        getattr(bpy.data, kind).remove(found)
         block.name = name

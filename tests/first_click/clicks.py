@@ -4,28 +4,40 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from measures import Points, Surface, at_corners, evenly
+from measures import Measures, Points, Surface, at_corners, evenly, flat_points, measured
 
-from paradesc.files.preset_rules import PRESETS
-from paradesc.scene import image_results, large_faces
+from paradesc.scene import image_preview, image_results, large_faces
 from paradesc.show import recolor
 
 # Points at which an image is looked at.
 IN_IMAGE = 200_000
-# The ends of the names of images.
-WORDS = {"cavity": "_cavity", "edge_wear": "_edges"}
+# The attributes of the masks, and the ends of the names of their images.
+MASKS = {"cavity": ("cavity", "_cavity"), "edge_wear": ("convexity", "_edges")}
 
 
 @dataclass
 class Shown:
     """A mask that one click has made."""
 
+    mask: str
     way: str  # "vertices" or "image"
+    seen: bool  # whether it is the one that the viewport shows
     radius: float  # in the mesh's own unit
+    surface: Surface
     points: Points
     values: np.ndarray  # (n,) shown, from black 0 to white 1
     target: bpy.types.Object
     image: bpy.types.Image | None = None
+
+    def measured(self, hard: bool) -> Measures:
+        """What an artist sees of it; of a hard surface what flat faces have, too."""
+        flat = flat_points(self.surface, self.points, self.radius) if hard else None
+        return measured(self.values, self.points, flat)
+
+    @property
+    def percent(self) -> float:
+        """The radius in percent of the diagonal."""
+        return 100 * self.radius / self.surface.diagonal
 
 
 class Refused(Exception):
@@ -43,35 +55,45 @@ def surface_of(mesh: bpy.types.Mesh) -> Surface:
     return Surface(positions.reshape(-1, 3).astype(np.float64), triangles.reshape(-1, 3), corners.reshape(-1, 3))
 
 
-def click(mask: str, to_image: bool) -> Shown:
-    """Presses the main button, and before it the mask's own if it is none of those that are baked by default."""
-    group = bpy.context.scene.paradesc
-    (name,) = PRESETS[mask].members["descriptors"]
-    if name not in group.descriptors:
-        bpy.ops.paradesc.mask(name=mask)
+def click(to_image: bool) -> list[Shown]:
+    """Presses the main button; gives each mask that it has made."""
     try:
         (bpy.ops.paradesc.bake_image if to_image else bpy.ops.paradesc.bake)()
     except RuntimeError as error:
         raise Refused(str(error).strip().removeprefix("Error: ")) from error
-    if to_image:
-        return in_image(next(item for item in bpy.context.selected_objects if item.type == "MESH"), mask)
-    return at_vertices(next(item for item in bpy.data.objects if item.type == "MESH" and name in item.data.attributes), name)
+    return found(to_image)
 
 
-def at_vertices(target: bpy.types.Object, name: str) -> Shown:
+def found(in_images: bool) -> list[Shown]:
+    """The masks that the last bake of this scene has made."""
+    meshes = [item for item in bpy.context.scene.objects if item.type == "MESH"]
+    if in_images:
+        target = next(item for item in meshes if image_results.found(item) is not None)
+        return [in_image(target, mask, image) for mask in MASKS for image in images_of(target) if MASKS[mask][1] in image.name]
+    target = next(item for item in meshes if any(name in item.data.attributes for name, _ in MASKS.values()))
+    return [at_vertices(target, mask) for mask, (name, _) in MASKS.items() if name in target.data.attributes]
+
+
+def images_of(target: bpy.types.Object) -> list[bpy.types.Image]:
+    """The images of its last bake."""
+    return image_results.found(target).images
+
+
+def at_vertices(target: bpy.types.Object, mask: str) -> Shown:
     """The values at the vertices, as their colors show them."""
-    mesh = target.data
+    mesh, name = target.data, MASKS[mask][0]
     shown = recolor.stored_range(mesh, name).shares(recolor.stored_values(mesh, name).astype(np.float64))
     surface = surface_of(mesh)
     points = at_corners(surface)
     values = points.mixed(np.nan_to_num(shown)[surface.triangles][..., None])[:, 0]
-    return Shown("vertices", mesh["paradesc"]["field_report"]["radius"], points, values, target)
+    radius = mesh["paradesc"]["field_report"]["radius"]
+    seen = mesh.color_attributes.active_color.name == f"{name}_color"
+    return Shown(mask, "vertices", seen, radius, surface, points, values, target)
 
 
-def in_image(target: bpy.types.Object, mask: str) -> Shown:
-    """The texels of the mask's image under points of the surface."""
+def in_image(target: bpy.types.Object, mask: str, image: bpy.types.Image) -> Shown:
+    """The texels of a mask's image under points of the surface."""
     mesh, made = target.data, image_results.found(target)
-    image = next(image for image in made.images if WORDS[mask] in image.name)
     surface = surface_of(mesh)
     points = evenly(surface, IN_IMAGE)
     uvs = np.empty(2 * len(mesh.loops), np.float32)
@@ -84,7 +106,8 @@ def in_image(target: bpy.types.Object, mask: str) -> Shown:
     column, row = (np.floor(place % 1 * size).astype(int) for place, size in ((u, width), (v, height)))
     values = texels[np.minimum(row, height - 1), np.minimum(column, width - 1)].astype(np.float64)
     radius = bpy.context.scene.paradesc.radius_percent / 100 * surface.diagonal  # which the bake has fitted
-    return Shown("image", radius, points, np.nan_to_num(values), target, image)
+    seen = image_preview.shown(target) in (image.name, "")  # the background has no viewport that would show one
+    return Shown(mask, "image", seen, radius, surface, points, np.nan_to_num(values), target, image)
 
 
 def offers_image(target: bpy.types.Object) -> bool:

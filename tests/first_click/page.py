@@ -10,8 +10,9 @@ if TYPE_CHECKING:
 
 INTRODUCTION = f"""# The first click
 
-Each asset is imported and clicked once with every setting at its default: on the mask that suits it, and on *Bake to Image* where most
-of its area lies in faces too large for colors at vertices. The values are those shown, from black 0 to white 1, weighted by area.
+Each asset is imported and clicked once with every setting at its default, on the button that the panel offers first: *Bake to Image* where
+most of the area lies in faces too large for colors at vertices. The click makes both masks, of which the bold row has the one that suits
+the asset; *seen* is the one that the viewport shows. The values are those shown, from black 0 to white 1, weighted by area.
 
 | measure | what it is | wanted |
 |---|---|---|
@@ -45,10 +46,10 @@ def verdict(row: "Row") -> str:
 
 
 def line(row: "Row") -> str:
-    """One line of the console; a star stands before what is judged."""
+    """One line of the console; a star stands before what is judged, an arrow before what the viewport shows."""
     radius = f"{row.percent:.2f} %" if row.percent else ""
     return (
-        f"{'*' if row.judged else ' '} {row.asset:11} {row.mask:10}{row.by:11}{radius:>8}"
+        f"{'*' if row.judged else ' '}{'>' if row.seen else ' '}{row.asset:11} {row.mask:10}{row.by:11}{radius:>8}"
         + "".join(f"{cell:>7}" for cell in cells(row)[:3])
         + f"  {cells(row)[3]:16} {verdict(row)}\n"
     )
@@ -66,7 +67,7 @@ def page(rows: list["Row"], left_out: list[str]) -> str:
     head = "| asset | mask | by | radius | white | bright | dark | flat | |\n|---|---|---|---:|---:|---:|---:|---:|---|\n"
     body = ""
     for row in rows:
-        first = [f"**{row.asset}**" if row.judged else "", row.mask if row.judged or not row.percent else row.mask, row.by]
+        first = [f"**{row.asset}**" if row.judged else "", f"{row.mask}{' (seen)' if row.seen else ''}", row.by]
         radius = f"{row.percent:.2f} %" if row.percent else ""
         body += "| " + " | ".join([*first, radius, *cells(row), verdict(row)]) + " |\n"
     end = f"\nMeasured on {time.strftime('%Y-%m-%d')} by `tests/first_click/report.py --page`; {summary(rows, left_out)}"

@@ -25,8 +25,6 @@ import peers  # noqa: E402
 import sheets  # noqa: E402
 from assets import ASSETS, Asset  # noqa: E402
 
-MASKS = ("cavity", "edge_wear")
-
 
 @dataclass
 class Row:
@@ -39,6 +37,7 @@ class Row:
     percent: float = 0.0  # the radius, of the diagonal
     found: measures.Measures | None = None
     refusal: str = ""
+    seen: bool = False  # whether the viewport shows this one after the click
 
     @property
     def faults(self) -> list[str]:
@@ -46,24 +45,27 @@ class Row:
         return [self.refusal] if self.found is None else self.found.faults()
 
 
-def clicked(asset: Asset, mask: str, to_image: bool, judged: bool) -> tuple[Row, clicks.Shown | None]:
-    """Clicks on a fresh asset and measures."""
+def clicked(asset: Asset, to_image: bool, judged: bool) -> tuple[list[Row], list[clicks.Shown]]:
+    """Clicks on a fresh asset and measures both masks, first the one that suits it, which may be judged."""
     asset.add()
-    row = Row(asset.name, mask, "image" if to_image else "vertices", judged)
+    way = "image" if to_image else "vertices"
     try:
-        shown = clicks.click(mask, to_image)
+        found = clicks.click(to_image)
     except clicks.Refused as refusal:
-        row.refusal = str(refusal)
-        return row, None
-    surface = clicks.surface_of(shown.target.data)
-    row.percent = 100 * shown.radius / surface.diagonal
-    flat = measures.flat_points(surface, shown.points, shown.radius) if asset.hard else None
-    row.found = measures.measured(shown.values, shown.points, flat)
-    return row, shown
+        return [Row(asset.name, asset.mask, way, judged, refusal=str(refusal))], []
+    found.sort(key=lambda shown: shown.mask != asset.mask)
+    rows = []
+    for shown in found:
+        ours = judged and shown.mask == asset.mask
+        rows.append(Row(asset.name, shown.mask, way, ours, shown.percent, shown.measured(asset.hard), seen=shown.seen))
+    return rows, found
 
 
-def beside(asset: Asset, mask: str, percent: float) -> list[Row]:
-    """Blender's own masks of the same asset, measured at the vertices; what is flat is so by the radius of the click."""
+def beside(asset: Asset, mask: str, percent: float, views: dict | None) -> list[Row]:
+    """Blender's own masks of the same asset, measured at the vertices; what is flat is so by the radius of the click.
+
+    views: takes a picture of each.
+    """
     rows = []
     for name, paint in peers.PEERS.items():
         target = asset.add()
@@ -73,40 +75,22 @@ def beside(asset: Asset, mask: str, percent: float) -> list[Row]:
         flat = measures.flat_points(surface, points, percent / 100 * surface.diagonal) if asset.hard else None
         values = points.mixed(at_vertices[surface.triangles][..., None])[:, 0]
         rows.append(Row(asset.name, mask, name, False, found=measures.measured(values, points, flat)))
+        if views is not None:
+            views[name] = sheets.of_tones(target, at_vertices)
     return rows
 
 
-def measured(asset: Asset, both: bool, with_peers: bool) -> list[Row]:
-    """All rows of one asset, the judged click first."""
+def measured(asset: Asset, both: bool, with_peers: bool, pictures: Path | None) -> list[Row]:
+    """All rows of one asset, the judged click first; pictures: the folder for its sheet."""
     to_image = clicks.offers_image(asset.add())
-    ways = (True, False) if both and to_image else (to_image,)
-    rows = [
-        clicked(asset, mask, way, mask == asset.mask and way == to_image)[0]
-        for mask in sorted(MASKS, key=asset.mask.__ne__)[: 1 + both]
-        for way in ways
-    ]
-    return rows + (beside(asset, asset.mask, rows[0].percent) if with_peers else [])
-
-
-def draw(asset: Asset, path: Path) -> None:
-    """Draws the sheet of one asset."""
-    views = {}
-    for name, paint in peers.PEERS.items():
-        target = asset.add()
-        tones = paint(target, asset.mask)
-        layer = target.data.color_attributes.new("tones", "FLOAT_COLOR", "POINT")
-        layer.data.foreach_set("color", tones.repeat(4).astype("float32"))
-        sheets.set_up(target)
-        views[name] = sheets.drawn(target, "tones")
-    for mask in MASKS:
-        to_image = clicks.offers_image(asset.add())
-        row, shown = clicked(asset, mask, to_image, False)
-        if shown is None:
-            continue
-        sheets.set_up(shown.target)
-        colors = "" if shown.image else shown.target.data.color_attributes.active_color.name
-        views[f"{mask} {row.by} {row.percent:.2g}%"] = sheets.drawn(shown.target, colors, shown.image)
-    sheets.written(path, views)
+    other = clicked(asset, False, False)[0] if both and to_image else []
+    rows, found = clicked(asset, to_image, True)
+    views = {f"{shown.mask} {shown.way} {shown.percent:.2g}%": sheets.of_mask(shown) for shown in found if pictures}
+    if with_peers:
+        rows += other + beside(asset, asset.mask, rows[0].percent, views if pictures else None)
+    if pictures:
+        sheets.written(pictures / f"{asset.name}.png", {name: views[name] for name in sorted(views)})
+    return rows
 
 
 def main(words: list[str]) -> int:
@@ -114,7 +98,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--assets", default=",".join(ASSETS), help="names with commas between them (default: all)")
     parser.add_argument("--no-peers", action="store_true", help="without Blender's own masks")
-    parser.add_argument("--both", action="store_true", help="the other mask and the other way, too")
+    parser.add_argument("--both", action="store_true", help="vertices, too, where the panel offers an image")
     parser.add_argument("--page", action="store_true", help="write REPORT.md beside this file")
     parser.add_argument("--pictures", type=Path, help="draw a sheet of each asset into this folder")
     asked = parser.parse_args(words)
@@ -122,15 +106,14 @@ def main(words: list[str]) -> int:
     if unknown:
         parser.error(f"there is no asset {', '.join(unknown)}; choose from {', '.join(ASSETS)}")
     rows, left_out = [], []
+    if asked.pictures:
+        asked.pictures.mkdir(parents=True, exist_ok=True)
     for asset in map(ASSETS.get, asked.assets.split(",")):
         if asset.missing:
             left_out.append(asset.missing)
             continue
         start = time.monotonic()
-        rows += measured(asset, asked.both, not asked.no_peers)
-        if asked.pictures:
-            asked.pictures.mkdir(parents=True, exist_ok=True)
-            draw(asset, asked.pictures / f"{asset.name}.png")
+        rows += measured(asset, asked.both, not asked.no_peers, asked.pictures)
         sys.stderr.write(f"{asset.name}: {time.monotonic() - start:.1f} s\n")
     if asked.pictures:
         sheets.contact(asked.pictures / "contact.png", [asked.pictures / f"{row.asset}.png" for row in rows if row.judged])

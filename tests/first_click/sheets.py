@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
+import clicks
 import numpy as np
 from mathutils import Vector
 
@@ -73,6 +74,20 @@ def read(path: Path) -> np.ndarray:
     found = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
     bpy.data.images.remove(image)
     return np.round(255 * found).astype(np.uint8)
+
+
+def of_mask(shown: "clicks.Shown") -> np.ndarray:
+    """The object with a mask, by the color attribute or by the image that the click has made."""
+    set_up(shown.target)
+    return drawn(shown.target, "" if shown.image else f"{clicks.MASKS[shown.mask][0]}_color", shown.image)
+
+
+def of_tones(target: bpy.types.Object, tones: np.ndarray) -> np.ndarray:
+    """The object with (vertex_count,) greys."""
+    layer = target.data.color_attributes.new("tones", "FLOAT_COLOR", "POINT")
+    layer.data.foreach_set("color", tones.repeat(4).astype(np.float32))
+    set_up(target)
+    return drawn(target, "tones")
 
 
 def written(path: Path, views: dict[str, np.ndarray]) -> None:

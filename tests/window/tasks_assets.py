@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 import bpy
 import person
 from assets import ASSETS
-from measures import flat_points, measured
 from scenes import as_found, clicked, imported, shading
 
 import clicks
-from paradesc.files.preset_rules import PRESETS
 
 if TYPE_CHECKING:
     from drive import Run
@@ -21,20 +19,16 @@ REAL = [asset for asset in ASSETS.values() if asset.file]
 def one_click(run: "Run", asset: object) -> Iterator[None]:
     """Imports an asset and clicks once; measures the mask that suits it, and says which one is seen."""
     as_found()
-    objects = imported(asset.file)
-    target = next(item for item in objects if item.type == "MESH")
+    imported(asset.file)
     shading().light, shading().color_type = "STUDIO", "MATERIAL"
     words = yield from clicked()
     file = yield from run.picture(asset.name)
-    (name,) = PRESETS[asset.mask].members["descriptors"]
-    shown = clicks.in_image(target, asset.mask) if words.startswith("bake_image") else clicks.at_vertices(target, name)
-    surface = clicks.surface_of(shown.target.data)
-    flat = flat_points(surface, shown.points, shown.radius) if asset.hard else None
-    found = measured(shown.values, shown.points, flat)
-    active = shown.target.data.color_attributes.active_color
-    text = f"{asset.name}, {asset.mask}, {words} shows {active.name if active and not shown.image else shown.image and shown.image.name}: radius {100 * shown.radius / surface.diagonal:.2f} %, white {found.white:.2f}"
-    text += f", {found.bright:.1%} above 0.5, {found.dark:.1%} below 0.05, flat {found.on_flat}; {', '.join(found.faults()) or 'usable'}"
-    run.saw("A2" if not asset.hard else "A3", text, not found.faults(), file)
+    for shown in clicks.found(words.startswith("bake_image")):
+        found = shown.measured(asset.hard)
+        text = f"{asset.name}, {words}, {shown.mask}{', seen' if shown.seen else ''}: radius {shown.percent:.2f} %, white {found.white:.2f}, "
+        text += f"{found.bright:.1%} above 0.5, {found.dark:.1%} below 0.05, flat {found.on_flat}; {', '.join(found.faults()) or 'usable'}"
+        suits = shown.mask == asset.mask
+        run.saw("A3" if asset.hard else "A2", text, not found.faults() if suits else None, file)
 
 
 def sizes(run: "Run") -> Iterator[None]:

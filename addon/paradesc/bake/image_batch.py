@@ -121,8 +121,8 @@ class ImageBatch(OneByOne):
             if fault:
                 raise mesh_io.refuse(fault)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
-        piece.over = uv_maps.read_over(target, self.settings, own)
-        read, piece.told = piece.over.read, [piece.over.note] if piece.over.note else []
+        read, piece.over = uv_maps.read_over(target, self.settings, own)
+        piece.told = [piece.over.note] if piece.over.note else []
         piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
         if piece.highs:
             self.work(self.work_onto(piece, pairs.part_of(target, read)))

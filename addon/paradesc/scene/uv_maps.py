@@ -22,21 +22,17 @@ PROBE = 256
 
 @dataclass
 class Over:
-    """A mesh that was read over a UV map of its own."""
+    """The UV map of its own over which a mesh was read."""
 
-    read: targets.Read
-    name: str  # of the map; "" where modifiers make it
+    name: str  # "" where modifiers make it
+    repeats: bool  # it lies beyond the image, or the tiles, that are made of it
     made: bool = False  # for this bake
     note: str = ""
 
-    @property
-    def repeats(self) -> bool:
-        """Whether the map lies beyond the image, or the tiles, that are made of it."""
-        tiling = udim.of_mesh(self.read.measured)
-        return not tiling.first and not tiling.tiles
 
-
-def read_over(target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest) -> Over:
+def read_over(
+    target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest
+) -> tuple[targets.Read, Over]:
     """Reads a mesh over its active UV map, or where that is of no use, over one of ours, which it gets if it has none.
 
     Raises one sentence where the mesh cannot get a map, or where its user has several maps to choose from.
@@ -48,24 +44,32 @@ def read_over(target: bpy.types.Object, settings: job.Settings, request: targets
         why = udim.of_mesh(read.measured).why
         said = f" {why}" if reason and why else ""
     if not reason:
-        return Over(read, layers.active.name if layers.active is not None else "")
+        return over(read, layers.active.name if layers.active is not None else "")
     if not may_make(target):
         if read is None or read.measured.map_fault:
             raise mesh_io.refuse(f'The mesh "{target.data.name}" {reason}; unwrap it (U in edit mode).')
-        return Over(read, layers.active.name)
+        return over(read, layers.active.name)
     reason = reason.split(" (")[0]  # what others can be used is our own affair here
     name = own(target.data)
     if name:
         with active(target, name):
             read = targets.read(target, settings, request)
         if not fault(read.measured):
-            return Over(read, name, note=f'Over the UV map "{name}": the mesh {reason}.{said}')
+            return over(read, name, note=f'Over the UV map "{name}": the mesh {reason}.{said}')
     name = make(target)
-    with active(target, name):
-        read = targets.read(target, settings, request)
-    return Over(
-        read, name, True, f'New UV map "{name}": the mesh {reason}.{said}'
-    )
+    try:
+        with active(target, name):
+            read = targets.read(target, settings, request)
+    except bridge.ParadescError:
+        remove(target, name)
+        raise
+    return over(read, name, True, f'New UV map "{name}": the mesh {reason}.{said}')
+
+
+def over(read: targets.Read, name: str, made: bool = False, note: str = "") -> tuple[targets.Read, Over]:
+    """A mesh that was read, and what there is to say of its map."""
+    tiling = udim.of_mesh(read.measured)
+    return read, Over(name, not tiling.first and not tiling.tiles, made, note)
 
 
 def fault(arrays: bridge.MeshArrays) -> str:

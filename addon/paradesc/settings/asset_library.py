@@ -32,19 +32,15 @@ class PARADESC_OT_asset_library(bpy.types.Operator):
             self.report({"INFO"}, translation.said("Removed from the Asset Browser"))
             return {"FINISHED"}
         bpy.ops.preferences.asset_library_add(directory=str(FOLDER))
-        made = libraries[len(libraries) - 1]
-        made.name = NAME
-        if hasattr(made, "import_method"):
-            made.import_method = "APPEND_REUSE"
+        libraries[len(libraries) - 1].name = NAME
         self.report({"INFO"}, translation.said("Added to the Asset Browser, as the library Paradesc"))
         return {"FINISHED"}
 
 
 def draw(layout: bpy.types.UILayout) -> None:
     """Draws the button, by what it would do."""
-    there = place() >= 0
-    words = translation.label("Remove from Asset Browser" if there else "Add to Asset Browser", "Operator")
-    layout.operator("paradesc.asset_library", text=words, icon="ASSET_MANAGER", translate=False)
+    text = "Remove from Asset Browser" if place() >= 0 else "Add to Asset Browser"
+    layout.operator("paradesc.asset_library", text=text, icon="ASSET_MANAGER")
 
 
 classes = (PARADESC_OT_asset_library,)

@@ -39,21 +39,28 @@ def own_nodes(tree: bpy.types.NodeTree | None, mark: str) -> list[bpy.types.Node
 
 def passes(node: bpy.types.Node, passed: Passed) -> bool:
     """Whether the inputs that it stands before take something of it, be it by way of another node of ours."""
-    return any(link.to_socket.name == name for name, output in passed.items() for link in node.outputs[output].links)
+    return any(
+        link.to_socket.name == name for name, output in there(node, passed) for link in node.outputs[output].links
+    )
+
+
+def there(node: bpy.types.Node, passed: Passed) -> list[tuple[str, str]]:
+    """What a node still lets through; somebody may have taken sockets from its group."""
+    return [(name, output) for name, output in passed.items() if name in node.inputs and output in node.outputs]
 
 
 def put(shader: bpy.types.Node, node: bpy.types.Node, passed: Passed) -> None:
     """Lets what the shader's inputs have go through the node; those that come from it already stay."""
-    for name, output in passed.items():
-        socket, own = shader.inputs[name], node.inputs[name]
+    for name, output in there(node, passed):
+        socket = shader.inputs[name]
         if not (socket.links and socket.links[0].from_node == node):
-            bring(socket, own)
+            bring(socket, node.inputs[name])
             node.id_data.links.new(node.outputs[output], socket)
 
 
 def take_out(node: bpy.types.Node, passed: Passed) -> None:
     """Gives whatever takes something through the node what it had before; the node stays, without these links."""
-    for name, output in passed.items():
+    for name, output in there(node, passed):
         for link in list(node.outputs[output].links):
             socket = link.to_socket
             node.id_data.links.remove(link)

@@ -72,7 +72,7 @@ def dress(node: bpy.types.Node, values: Values) -> None:
     """Sets the inputs that nobody has tuned, and keeps in mind what they were set to."""
     kept = tuned_inputs(node)
     for name, value in values.items():
-        if name not in kept:
+        if name in node.inputs and name not in kept:
             node.inputs[name].default_value = value
     now, left = values_of(node), left_values(node)
     node[LEFT] = {name: left[name] if name in kept else value for name, value in now.items()}
@@ -97,7 +97,7 @@ def fault(target: bpy.types.Object) -> str:
 
 def has_nodes(material: bpy.types.Material) -> bool:
     """Whether the material shows what its nodes make; since Blender 5 every one does."""
-    return material.node_tree is not None and material.use_nodes
+    return material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
@@ -170,7 +170,7 @@ def connect(material: bpy.types.Material, node: bpy.types.Node, masks: dict[str,
     if not passes(node, PASSED):
         put(shader, node, PASSED)
     for row, (name, descriptor) in enumerate(masks.items()):
-        if not node.inputs[name].is_linked:
+        if name in node.inputs and not node.inputs[name].is_linked:
             place = (node.location.x - 240, node.location.y - 120 - 180 * row)
             material.node_tree.links.new(mask_source(material.node_tree, mesh, descriptor, place), node.inputs[name])
 
@@ -191,7 +191,8 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
     sides = [max(values) - min(values) for values in zip(*corners, strict=True)]
     diagonal = Vector(sides).length
     if diagonal > 0:
-        node.inputs["Proportions"].default_value = [side / diagonal for side in sides]
+        if "Proportions" in node.inputs:
+            node.inputs["Proportions"].default_value = [side / diagonal for side in sides]
         if is_look(material):
             for bump in [one for one in material.node_tree.nodes if one.type == "BUMP"]:
                 bump.inputs["Distance"].default_value *= diagonal / DIAGONAL
@@ -199,7 +200,8 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     """Gives an object without material one of the looks; all that have masks at vertices share it."""
-    material = next((item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)), None)
+    ours = [item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)]
+    material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
     if material is None or of_images:
         material = append("materials", name)
         material[MARK] = name
@@ -272,9 +274,9 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
     """Gives a material back what it had; what was tuned stays in it, disconnected, until wear is added again."""
     tree = material.node_tree
     (node,) = [one for one in own_nodes(tree, GROUP) if passes(one, PASSED)][:1]
-    used = [name for name in ("Dirt", "Wear") if node.outputs[name].is_linked]
-    if used:
-        return [f'The wear of "{material.name}" stays, because nodes of yours use its output {used[0]}.']
+    others = [socket.name for socket in node.outputs if socket.is_linked and socket.name not in PASSED.values()]
+    if others:
+        return [f'The wear of "{material.name}" stays, because nodes of yours use its output {others[0]}.']
     take_out(node, PASSED)
     if tuned_inputs(node):
         return [f'The wear of "{material.name}" was tuned; it stays in the material, disconnected.']

@@ -16,7 +16,7 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     column, images = layout.column(align=True), made.images
     sentence_lines(context, column, result_sentence(made))
     shown = image_preview.shown(context.active_object)
-    for image in images:
+    for image in filter(image_preview.can_show, images):
         text = label("Show on Mesh" if len(images) == 1 else made.label(image))
         options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
         column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
