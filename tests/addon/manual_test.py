@@ -234,6 +234,7 @@ def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(writ
         "masks",
         "textures",
         "low_poly_edges",
+        "wear",
         "high_to_low",
         "live",
         "colors",

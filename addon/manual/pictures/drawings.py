@@ -1,4 +1,4 @@
-"""Pictures that the command line draws, or numpy alone: descriptors, creases, color maps."""
+"""Pictures that the command line draws, or numpy alone: descriptors, color maps."""
 
 from pathlib import Path
 
@@ -63,19 +63,6 @@ def spread_out(points: np.ndarray, along: np.ndarray) -> np.ndarray:
     return np.array(chosen)
 
 
-def draw_creases(path: str) -> None:
-    """Mean curvature of a machine part and of a helmet without and with creases, each in one range of colors."""
-    rows = []
-    for make, *words in (
-        (subjects.machine_part, "--radius", "0.04", "--range=-6:6"),
-        (subjects.helmet, "--radius", "0.02", "--range=-12:12"),
-    ):
-        made = make()
-        pictures = [subjects.drawn(made, *words, "--creases", choice) for choice in ("none", "auto")]
-        rows.append(np.concatenate(pictures, axis=1))
-    png.write_png(Path(path), np.concatenate(rows))
-
-
 def draw_maps(path: str) -> None:
     """Every color map as a bar with its name."""
     width, height, left = 420, 18, 150
@@ -88,4 +75,4 @@ def draw_maps(path: str) -> None:
     png.write_png(Path(path), image)
 
 
-KINDS = {"descriptors": draw_descriptors, "creases": draw_creases, "maps": draw_maps}
+KINDS = {"descriptors": draw_descriptors, "maps": draw_maps}

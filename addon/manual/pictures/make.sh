@@ -8,13 +8,13 @@ folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$(mkdir -p "${1:-$folder}/descriptors" && cd "${1:-$folder}" && pwd)
 python=$folder/../../../.venv/bin/python
 [ $# -eq 0 ] || shift
-declare -A places=([maps]=color_maps.png [descriptors]=descriptors [creases]=creases.png [live]=live.gif)
+declare -A places=([maps]=color_maps.png [descriptors]=descriptors [live]=live.gif)
 
 # in_window WIDTH HEIGHT KIND OPTION...
 in_window() {
   local width=$1 height=$2 kind=$3
   shift 3
-  timeout 300 xvfb-run -a -s "-screen 0 ${width}x${height}x24" env LIBGL_ALWAYS_SOFTWARE=1 blender --factory-startup "$@" \
+  timeout 300 xvfb-run -a -s "-screen 0 ${width}x${height}x24" env LIBGL_ALWAYS_SOFTWARE=1 blender --factory-startup --python-exit-code 1 "$@" \
     --no-window-focus --window-geometry 0 0 "$width" "$height" -P "$folder/make.py" -- "$kind" "$output/$kind.png"
 }
 

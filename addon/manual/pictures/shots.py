@@ -1,27 +1,24 @@
 """The pictures of assets: paint before and after wear, masks, radii and levels, textures, and what others need."""
 
 import math
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import bpy
 import numpy as np
 import studio
+import subjects
 from PIL import Image
 from studio import View
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
-import models
+from subjects import models
 
 from paradesc import bridge
 from paradesc.settings.presets import PRESETS
 
 MASKS = {"cavity": "cavity", "edge_wear": "convexity", "openness": "ambient_openness", "curvature": "mean_curvature"}
 LABELS = {"cavity": "Cavity", "edge_wear": "Edge Wear", "openness": "Openness", "curvature": "Curvature"}
-SAMPLES, FLAT_SAMPLES = 48, 12
+SAMPLES, FLAT_SAMPLES = 24, 10
 RED, GREEN, STONE, SKIN = (0.4, 0.02, 0.014), (0.035, 0.07, 0.03), (0.24, 0.22, 0.19), (0.09, 0.14, 0.04)
-TEAL, CREAM, BLUE = (0.02, 0.16, 0.17), (0.55, 0.47, 0.34), (0.03, 0.08, 0.22)
+TEAL, BLUE = (0.02, 0.16, 0.17), (0.03, 0.08, 0.2)
 
 
 def bake(item: bpy.types.Object, mask: str) -> str:
@@ -35,11 +32,6 @@ def wear(item: bpy.types.Object, look: str) -> None:
     """One click on Add Wear."""
     studio.select([item])
     bpy.ops.paradesc.add_wear(look=look)
-
-
-def fine(make: Callable, step: float) -> bpy.types.Object:
-    """A sculpted model in smaller faces than tests need."""
-    return make(step=step)
 
 
 # ---- README
@@ -144,6 +136,22 @@ def draw_looks(path: str) -> None:
     studio.save(studio.sheet(tiles, ("Painted Metal", "Old Stone", "Dusty Plastic"), 3), path)
 
 
+def draw_creases(path: str) -> None:
+    """Mean curvature of a machine part and of a goblin without and with creases, each in one range of colors."""
+    group, looks, tiles = bpy.context.scene.paradesc, bpy.context.scene.paradesc_looks, []
+    looks.span = "fixed"
+    for make, percent, reach, view in (
+        (subjects.machine_part, 4.0, 6.0, View(0, 30)),
+        (subjects.creature, 2.0, 8.0, View(-10, 6)),
+    ):
+        item = make()
+        group.radius_percent, looks.minimum, looks.maximum = percent, -reach, reach
+        for group.creases in ("none", "auto"):
+            studio.show_color(item, bake(item, "curvature"))
+            tiles.append(studio.tile([item], (630, 480), view, FLAT_SAMPLES, lit=False))
+    studio.save(studio.sheet(tiles, ("Creases: None", "Creases: Automatic") * 2, 2), path)
+
+
 def draw_presets(path: str) -> None:
     """The first descriptor of each preset."""
     studio.clear()
@@ -156,20 +164,6 @@ def draw_presets(path: str) -> None:
         studio.show_color(item, f"{first}_color")
         tiles.append(studio.tile([item], (475, 480), View(-28, 8), FLAT_SAMPLES, lit=False))
     studio.save(studio.sheet(tiles, [preset.label for preset in PRESETS.values()], -(-len(tiles) // 2)), path)
-
-
-def draw_trouble(path: str) -> None:
-    """A coarse mesh at a radius below its edges, and at one that fits."""
-    studio.clear()
-    item, tiles = models.creature(0.02), []
-    decimate(item, 0.06)
-    for size, percent in (("typed", 0.3), ("fine", 0)):
-        if percent:
-            bpy.context.scene.paradesc.radius_percent = percent
-        bpy.context.scene.paradesc.radius_fit = size
-        studio.show_color(item, bake(item, "curvature"))
-        tiles.append(studio.tile([item], (630, 560), View(-16, 4, 0.0), FLAT_SAMPLES, lit=False))
-    studio.save(studio.sheet(tiles, ("Radius below the faces: facets", "A radius that fits the mesh"), 2), path)
 
 
 def decimate(item: bpy.types.Object, ratio: float) -> None:
@@ -215,21 +209,22 @@ def draw_low_poly(path: str) -> None:
     studio.clear()
     item, view, size = models.house(), View(-36, 14), (630, 600)
     models.unwrap(item)
-    studio.paint(item, CREAM, 0.6)
+    studio.paint(item, BLUE, 0.5)
     tiles = [studio.tile([item], size, view, SAMPLES, lit=True)]
     material = item.active_material
+    bpy.context.scene.paradesc.radius_fit = "fine"
     image = image_of(item, "edge_wear")
     studio.show_image(item, image)
     tiles.append(studio.tile([item], size, view, FLAT_SAMPLES, lit=False))
     item.data.materials.clear()
     item.data.materials.append(material)
-    wear_by_images(item, "PAINTED_METAL", Edges=image)
+    wear(item, "PAINTED_METAL")
     tiles.append(studio.tile([item], size, view, SAMPLES, lit=True))
     item.data.calc_loop_triangles()
     words = (
         f"{len(item.data.loop_triangles)} triangles, no bevel",
         "Edge Wear, baked to an image",
-        "The image on Wear: Edges",
+        "Add Wear to Material",
     )
     studio.save(studio.sheet(tiles, words, 3), path)
 
@@ -262,9 +257,21 @@ def draw_onto(path: str) -> None:
     words = (
         f"Sculpt, {len(high.data.polygons):,} faces",
         f"Low poly, {count:,} faces",
-        "The low-poly mesh with its textures",
+        "Low poly with its textures",
     )
     studio.save(studio.sheet(tiles, words, 3), path)
+
+
+def draw_trouble(path: str) -> None:
+    """Faces that are too large for values at vertices, and the same in an image."""
+    studio.clear()
+    item, view, size = models.gear(), View(-28, 12, 0.0), (630, 560)
+    models.unwrap(item)
+    studio.show_color(item, bake(item, "edge_wear"))
+    tiles = [studio.tile([item], size, view, FLAT_SAMPLES, lit=False)]
+    studio.show_image(item, image_of(item, "edge_wear"))
+    tiles.append(studio.tile([item], size, view, FLAT_SAMPLES, lit=False))
+    studio.save(studio.sheet(tiles, ("At vertices: large faces turn white", "Baked to an image"), 2), path)
 
 
 def pixels_of(image: bpy.types.Image) -> Image.Image:
@@ -314,16 +321,19 @@ def draw_live(path: str) -> None:
     bend = item.modifiers.new("bend", "SIMPLE_DEFORM")
     bend.deform_method, bend.deform_axis = "BEND", "Y"
     frames, scene = 20, bpy.context.scene
-    for frame, angle in ((1, -1.6), (frames // 2 + 1, 1.6), (frames + 1, -1.6)):
+    for frame, angle in ((1, -2.2), (frames // 2 + 1, 2.2), (frames + 1, -2.2)):
         bend.angle = angle
         bend.keyframe_insert("angle", frame=frame)
     scene.frame_set(frames // 4 + 1)
     studio.show_color(item, bake(item, "curvature"))
     item.paradesc_live.mode = "LIVE"
-    tiles = []
+    tiles, reach = [], []
+    for frame in (1, frames // 4 + 1, frames // 2 + 1):
+        scene.frame_set(frame)
+        reach.append(studio.corners_of([item]))
     for frame in range(1, frames + 1):
         scene.frame_set(frame)
-        tiles.append(studio.tile([item], (640, 400), View(0, 0, 0.25), 8, lit=False))
+        tiles.append(studio.tile([item], (720, 420), View(0, 0), 8, lit=False, points=np.concatenate(reach)))
     palette = tiles[0].quantize(64)
     tiles = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in tiles]
     tiles[0].save(path, save_all=True, append_images=tiles[1:], duration=80, loop=0, optimize=True)
@@ -334,6 +344,7 @@ KINDS = {
     "masks": draw_masks,
     "radii": draw_radii,
     "looks": draw_looks,
+    "creases": draw_creases,
     "presets": draw_presets,
     "trouble": draw_trouble,
     "low_poly": draw_low_poly,

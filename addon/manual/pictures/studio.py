@@ -71,9 +71,9 @@ def set_up(width: int, height: int, samples: int, lit: bool) -> None:
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (SKY, SKY * 1.03, SKY * 1.08, 1)
 
 
-def aim(items: Sequence[bpy.types.Object], view: View, lit: bool) -> list[bpy.types.Object]:
-    """Places a camera that sees all of the objects, lamps and a floor that catches shadows; gives these."""
-    scene, points = bpy.context.scene, corners_of(items)
+def aim(points: np.ndarray, view: View, lit: bool) -> list[bpy.types.Object]:
+    """Places a camera that sees all of the points, lamps and a floor that catches shadows; gives these."""
+    scene = bpy.context.scene
     around, above = math.radians(view.around), math.radians(view.above)
     way = Vector((math.sin(around) * math.cos(above), -math.cos(around) * math.cos(above), math.sin(above)))
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
@@ -111,10 +111,17 @@ def add_light(points: np.ndarray, around: float, size: float) -> list[bpy.types.
     return placed
 
 
-def tile(items: Sequence[bpy.types.Object], size: tuple[int, int], view: View, samples: int, lit: bool) -> Image.Image:
-    """A picture of the objects on the ground; lit or flat."""
+def tile(
+    items: Sequence[bpy.types.Object],
+    size: tuple[int, int],
+    view: View,
+    samples: int,
+    lit: bool,
+    points: np.ndarray | None = None,
+) -> Image.Image:
+    """A picture of the objects on the ground, lit or flat; points: what the camera has to see, if not the objects."""
     set_up(*size, samples, lit)
-    placed = aim(items, view, lit)
+    placed = aim(corners_of(items) if points is None else points, view, lit)
     for item in bpy.context.scene.objects:
         item.hide_render = item not in items and item not in placed
     with tempfile.TemporaryDirectory() as folder:

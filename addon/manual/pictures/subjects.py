@@ -48,12 +48,6 @@ def creature(step: float = 0.016) -> bpy.types.Object:
     return made
 
 
-def helmet() -> bpy.types.Object:
-    """A helmet."""
-    empty()
-    return models.helmet()
-
-
 def rounded_box() -> bpy.types.Object:
     """A box with rounded edges and corners."""
     empty()

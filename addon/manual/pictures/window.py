@@ -63,6 +63,7 @@ def sculpting_steps(path: str) -> Iterator[None]:
     """Masks the edges in sculpt mode and takes the picture."""
     yield from alone()
     subjects.creature()
+    bpy.context.scene.paradesc.radius_percent = 3.0
     place = from_the_front()
     with bpy.context.temp_override(**place):
         bpy.ops.object.mode_set(mode="SCULPT")
@@ -215,3 +216,6 @@ def grey_contrast(seen: np.ndarray) -> float:
     middle = seen[height // 2 - 60 : height // 2 + 60, width // 2 - 60 : width // 2 + 60].astype(int)
     chroma = np.ptp(middle, axis=2)
     return float(np.ptp(middle[chroma < 6]) / 255) if np.median(chroma) < 6 else 0.0
+
+
+STEPS = {"legend": legend_steps, "panel": panel_steps, "sculpting": sculpting_steps}

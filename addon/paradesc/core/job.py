@@ -57,6 +57,8 @@ class Settings:
         flat.update(asdict(self.options))
         flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
         flat.update(corner_threshold=self.corner_threshold, space=self.space)
+        if self.radius_fit != "typed":  # reports of each object then have its radius
+            flat["radius_fit"] = self.radius_fit
         return flat
 
 
