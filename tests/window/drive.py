@@ -28,7 +28,7 @@ class Run:
 
     def saw(self, point: str, text: str, good: bool | None = None, picture: str = "") -> None:
         """Adds what is now at one point; good: what a check in the script says, if there is one."""
-        row = {"point": point, "text": text, "good": good, "picture": picture, "group": self.group}
+        row = {"point": point, "text": text, "good": None if good is None else bool(good), "picture": picture, "group": self.group}
         with self.found.open("a") as file:
             file.write(json.dumps(row) + "\n")
         sys.stdout.write(f"{point} {good} {text}\n")
