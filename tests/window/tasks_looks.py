@@ -20,6 +20,16 @@ def colors(made: bpy.types.Object) -> np.ndarray:
     return arrays.attribute_values(made.data.attributes[made.data.color_attributes.active_color.name])[:, 0]
 
 
+def shown(made: bpy.types.Object) -> str:
+    """The attribute whose colors are shown."""
+    return made.data.color_attributes.active_color.name.removesuffix("_color")
+
+
+def white(made: bpy.types.Object) -> float:
+    """The value that is white in them."""
+    return made.data["paradesc"]["ranges"][shown(made)][1]
+
+
 def levels(run: "Run") -> Iterator[None]:
     """Contrast, brightness and invert act at once, without a bake."""
     made = monkey(2, applied=True)
@@ -37,7 +47,8 @@ def levels(run: "Run") -> Iterator[None]:
         setattr(looks, name, getattr(looks, name))
     yield from person.drawn(2)
     run.saw("B16", "back at their defaults the colors are as before", bool(np.allclose(colors(made), first, atol=1e-3)))
-    shares = np.clip(arrays.attribute_values(made.data.attributes["cavity"]) / made.data["paradesc"]["ranges"]["cavity"][1], 0, 1)
+    name = shown(made)
+    shares = np.clip(arrays.attribute_values(made.data.attributes[name]) / white(made), 0, 1)
     run.saw("B12", f"the linear color differs from the value by {np.abs(colors(made) - shares).max():.4f}", bool(np.abs(colors(made) - shares).max() < 0.01))
 
 
@@ -63,7 +74,7 @@ def one_scale(run: "Run") -> Iterator[None]:
     for same in (False, True):
         looks.same_scale = same
         yield from person.drawn(3)
-        whites = [round(item.data["paradesc"]["ranges"]["cavity"][1], 3) for item in (made, other)]
+        whites = [round(white(item), 3) for item in (made, other)]
         file = yield from run.picture(f"same_scale_{same}")
         run.saw("B18", f"same scale {same}: white is {whites}", (whites[0] == whites[1]) == same, file)
     place = yield from person.find("paradesc_looks.same_scale")
