@@ -35,6 +35,7 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 # These stand in the order in which they refer to each other. Each has classes, and register() and unregister() if it
 # needs more.
 MODULES = (
+    "settings.translation",
     "settings.asset_library",
     "settings.preferences",
     "settings.research",
@@ -103,9 +104,10 @@ def register() -> None:
 
         failure.register(error)
         return
+    in_our_context = import_module(".settings.translation", __name__).in_our_context
     for module in found:
         for cls in module.classes:
-            bpy.utils.register_class(cls)
+            bpy.utils.register_class(in_our_context(cls))
         if hasattr(module, "register"):
             module.register()
     if not bpy.app.binary_path:

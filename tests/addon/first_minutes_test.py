@@ -114,6 +114,18 @@ def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     assert presets.chosen_masks(group) == []
 
 
+def test_shift_bakes_several_masks_and_one_stays():
+    group = bpy.context.scene.paradesc
+    for extend, name, expected in (
+        (False, "openness", ["openness"]),
+        (True, "cavity", ["cavity", "openness"]),
+        (True, "openness", ["cavity"]),
+        (True, "cavity", ["cavity"]),
+    ):
+        bpy.ops.paradesc.mask(name=name, extend=extend)
+        assert presets.chosen_masks(group) == expected
+
+
 def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
     target = add_sphere()
     assert bpy.ops.paradesc.bake(mask="edge_wear", radius=7.5) == {"FINISHED"}

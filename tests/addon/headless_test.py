@@ -312,7 +312,7 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
     words = ("--backend", "software", "--buffer", "128", "--output", "out.npz", "--json", "report.json")
     assert run("bake", sphere_obj, "--preset", "edge_wear", *words).code == 0
     found = report()["settings"]
-    assert (found["descriptors"], found["radius"], found["samples"]) == (["convexity"], 0.015, 128)
+    assert (found["descriptors"], found["radius_fit"], found["samples"]) == (["convexity"], "medium", 256)
     assert (found["buffer_size"], found["backend"]) == (128, "software")
     ended = run("bake", sphere_obj, "--preset", "wear", *words)
     assert ended.code == 2

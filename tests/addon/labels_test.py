@@ -6,7 +6,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
+import texts  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.ui import settings_panel  # noqa: E402
 
@@ -17,33 +17,14 @@ SMALL = {"a", "an", "and", "at", "by", "for", "from", "in", "of", "on", "or", "o
 SYMBOLS = {"k", "k1", "k2", "glTF"}
 
 
-def classes():
-    """Every class that the add-on registers, its settings included."""
-    found = [cls for module in paradesc.modules() for cls in module.classes]
-    return [*found, bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")]
-
-
 def fields():
-    """Names and members of all settings and of all options of operators."""
-    for cls in classes():
-        properties = rna_of(cls).properties
-        for name in getattr(cls, "__annotations__", {}):
-            if name in properties:
-                yield f"{cls.__name__}.{name}", properties[name]
-
-
-def rna_of(cls):
-    """What Blender shows of a class; of operators only their own options, one of which may be called name."""
-    if not issubclass(cls, bpy.types.Operator):
-        return cls.bl_rna
-    return getattr(bpy.ops.paradesc, cls.bl_idname.removeprefix("paradesc.")).get_rna_type()
+    """Names and members of all settings and of all options of operators that people see."""
+    return [(f"{cls.__name__}.{name}", field) for cls, name, field in texts.fields() if not field.is_hidden]
 
 
 def items():
     """Names and items of all menus of choices."""
-    for name, field in fields():
-        for item in getattr(field, "enum_items", ()):
-            yield f"{name}.{item.identifier}", item
+    return [(f"{name}.{item.identifier}", item) for name, field in fields() for item in texts.items(field)]
 
 
 def is_title(label):
@@ -69,14 +50,15 @@ def test_title_case_is_told_from_others():
 def test_labels_of_settings_operators_and_panels_are_in_title_case():
     wrong = [f"{name}: {field.name}" for name, field in fields() if not is_title(field.name)]
     wrong += [f"{name}: {item.name}" for name, item in items() if not is_title(item.name)]
-    labels = {cls.__name__: cls.bl_label for cls in classes() if hasattr(cls, "bl_label")}
+    labels = {cls.__name__: cls.bl_label for cls in texts.classes() if hasattr(cls, "bl_label")}
     assert wrong + [f"{name}: {label}" for name, label in labels.items() if not is_title(label)] == []
 
 
 def test_tooltips_begin_as_sentences_and_end_without_a_full_stop():
     shown = [(name, field.description) for name, field in fields()]
     shown += [(name, item.description) for name, item in items()]
-    shown += [(cls.__name__, (cls.__doc__ or "").strip()) for cls in classes() if issubclass(cls, bpy.types.Operator)]
+    operators = [cls for cls in texts.classes() if issubclass(cls, bpy.types.Operator)]
+    shown += [(cls.__name__, (cls.__doc__ or "").strip()) for cls in operators]
     assert [f"{name}: {text}" for name, text in shown if not is_tooltip(text)] == []
 
 

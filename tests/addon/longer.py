@@ -10,7 +10,6 @@ from shapes import ADDON
 
 # What German and French need more, as a rule of thumb.
 FACTOR = 1.4
-CONTEXTS = ("*", "Operator")
 
 
 def constants() -> set[str]:
@@ -42,8 +41,3 @@ def lengthened(text: str) -> str:
         return found if found.startswith("{") else found + found[: round((FACTOR - 1) * len(found))].lower()
 
     return re.sub(r"\{[^}]*\}|[^\W\d_]{2,}", longer, text)
-
-
-def dictionary() -> dict[tuple[str, str], str]:
-    """The translation as Blender takes it."""
-    return {(context, text): lengthened(text) for text in shown() for context in CONTEXTS}

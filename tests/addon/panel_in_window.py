@@ -1,4 +1,4 @@
-"""Draws all panels, open, at several scales of the interface and with longer words, as pictures for people to look at.
+"""Draws all panels, open, at several scales of the interface and in its languages, as pictures for people to look at.
 
 bash tests/addon/run_in_window.sh build/panels panel_in_window.py 640 9900
 """
@@ -12,15 +12,13 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-import longer  # noqa: E402
-
 import paradesc  # noqa: E402
 from paradesc.files import png  # noqa: E402
 from scene import add_sphere  # noqa: E402
 from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
 SCALES = (1.0, 1.5, 2.0)
-LANGUAGE = "de_DE"
+LANGUAGES = ("en_US", "de_DE", "ja_JP", "zh_CN", "zh_HANS", "fr_FR")  # we have no French; one name of Chinese is older
 # Pixels from the sidebar's top to the middle of the add-on's tab, which is the last.
 TAB_BELOW_TOP = 175
 # Higher pictures go on in another column.
@@ -68,7 +66,7 @@ def take(path: Path) -> Iterator[None]:
 
 
 def steps(target: bpy.types.Object, folder: Path) -> Iterator[None]:
-    """Every scale, then with longer words."""
+    """Every language, the longest at every scale."""
     folder.mkdir(parents=True, exist_ok=True)
     settings, preferences = bpy.context.scene.paradesc, bpy.context.preferences
     settings.radius_percent, settings.samples, settings.descriptors = 0.3, 16, {"cavity", "harris"}
@@ -90,15 +88,13 @@ def steps(target: bpy.types.Object, folder: Path) -> Iterator[None]:
     settings.write_image = settings.write_buffers = True
     bpy.context.scene.paradesc_looks.span = "percentile"
     bpy.context.scene.paradesc_animation.use_scene_range = False
-    for language in ("", LANGUAGE):
-        if language:
-            bpy.app.translations.register("longer", {LANGUAGE: longer.dictionary()})
-            preferences.view.language = LANGUAGE
-            preferences.view.use_translate_interface = preferences.view.use_translate_tooltips = True
-        for scale in SCALES:
+    for language in [name for name in LANGUAGES if name in bpy.app.translations.locales]:
+        preferences.view.language = language
+        preferences.view.use_translate_interface = preferences.view.use_translate_tooltips = True
+        for scale in SCALES if language in ("en_US", "de_DE") else SCALES[:1]:
             preferences.view.ui_scale = scale
             yield
-            yield from take(folder / f"panel_{scale:g}{'_longer' if language else ''}.png")
+            yield from take(folder / f"panel_{scale:g}_{language}.png")
     say("all steps passed")
 
 

@@ -201,7 +201,7 @@ def test_a_preset_gives_the_bits_of_the_same_options(python, tmp_path):
     reports = {name: json.loads((tmp_path / f"{name}.report").read_text()) for name in runs}
     assert reports["preset"]["settings"] == reports["options"]["settings"]
     assert reports["packaged"]["settings"]["descriptors"] == ["convexity"]
-    assert reports["packaged"]["settings"]["radius"] == 0.015
+    assert reports["packaged"]["settings"]["radius_fit"] == "medium"
 
 
 def test_detail_comes_from_meshes_without_a_uv_map_too(python, tmp_path):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from measures import Measures, Points, Surface, at_corners, evenly, flat_points, measured
+from measures import MOST_DARK, Measures, Points, Surface, at_corners, evenly, flat_faces, measured
 
 from paradesc.scene import image_preview, image_results, large_faces
 from paradesc.show import recolor
@@ -31,8 +31,8 @@ class Shown:
 
     def measured(self, hard: bool) -> Measures:
         """What an artist sees of it; of a hard surface what flat faces have, too."""
-        flat = flat_points(self.surface, self.points, self.radius) if hard else None
-        return measured(self.values, self.points, flat)
+        faces = flat_faces(self.surface, self.points, self.radius) if hard else None
+        return measured(self.values, self.points, faces)
 
     @property
     def percent(self) -> float:
@@ -69,14 +69,14 @@ def found(in_images: bool) -> list[Shown]:
     meshes = [item for item in bpy.context.scene.objects if item.type == "MESH"]
     if in_images:
         target = next(item for item in meshes if image_results.found(item) is not None)
-        return [in_image(target, mask, image) for mask in MASKS for image in images_of(target) if MASKS[mask][1] in image.name]
+        images = image_results.found(target).images
+        made = [in_image(target, mask, image) for mask in MASKS for image in images if MASKS[mask][1] in image.name]
+        if not any(shown.seen for shown in made):  # in the background, which has no viewport
+            first = made[0] if made[0].measured(False).dark <= MOST_DARK else min(made, key=lambda one: one.measured(False).dark)
+            first.seen = True
+        return made
     target = next(item for item in meshes if any(name in item.data.attributes for name, _ in MASKS.values()))
     return [at_vertices(target, mask) for mask, (name, _) in MASKS.items() if name in target.data.attributes]
-
-
-def images_of(target: bpy.types.Object) -> list[bpy.types.Image]:
-    """The images of its last bake."""
-    return image_results.found(target).images
 
 
 def at_vertices(target: bpy.types.Object, mask: str) -> Shown:
@@ -106,8 +106,7 @@ def in_image(target: bpy.types.Object, mask: str, image: bpy.types.Image) -> Sho
     column, row = (np.floor(place % 1 * size).astype(int) for place, size in ((u, width), (v, height)))
     values = texels[np.minimum(row, height - 1), np.minimum(column, width - 1)].astype(np.float64)
     radius = bpy.context.scene.paradesc.radius_percent / 100 * surface.diagonal  # which the bake has fitted
-    seen = image_preview.shown(target) in (image.name, "")  # the background has no viewport that would show one
-    return Shown(mask, "image", seen, radius, surface, points, np.nan_to_num(values), target, image)
+    return Shown(mask, "image", image_preview.shown(target) == image.name, radius, surface, points, np.nan_to_num(values), target, image)
 
 
 def offers_image(target: bpy.types.Object) -> bool:

@@ -21,6 +21,8 @@ COPLANAR = 1.0
 SPACING = 0.2
 # A point is flat only if it is farther than this many radii from every crease: the engine's samples have a size.
 CLEAR = 1.05
+# A face with fewer such points tells nothing of itself.
+FEWEST = 6
 
 
 @dataclass(frozen=True)
@@ -117,16 +119,17 @@ def percentile(values: np.ndarray, areas: np.ndarray, percent: float) -> float:
     return float(values[order][np.searchsorted(reached, percent / 100 * reached[-1])])
 
 
-def measured(values: np.ndarray, points: Points, flat: np.ndarray | None = None) -> Measures:
-    """Measures (n,) shown values at points; flat: (n,) bool, or None if the surface is no hard one."""
+def measured(values: np.ndarray, points: Points, faces: np.ndarray | None = None) -> Measures:
+    """Measures (n,) shown values at points; faces: (n,) what flat_faces() gives, or None if the surface is no hard one."""
     total, lit = points.areas.sum(), values > BLACK
     white = percentile(values[lit], points.areas[lit], WHITE_PERCENTILE) if lit.any() else 0.0
     on_flat, share = None, 0.0
-    if flat is not None and flat.any():
-        share = float(points.areas[flat].sum() / total)
-        triangles, areas = points.triangles[flat], points.areas[flat]
-        sums = np.bincount(triangles, values[flat] * areas) / np.maximum(np.bincount(triangles, areas), 1e-300)
-        on_flat = float(sums.max())
+    if faces is not None and (faces >= 0).any():
+        flat = faces >= 0
+        areas = points.areas[flat]
+        share = float(areas.sum() / total)
+        means = np.bincount(faces[flat], values[flat] * areas) / np.maximum(np.bincount(faces[flat], areas), 1e-300)
+        on_flat = float(means.max())
     bright, dark = (float(points.areas[there].sum() / total) for there in (values > BRIGHT, values < DARK))
     return Measures(white, bright, dark, on_flat, share)
 
@@ -134,13 +137,13 @@ def measured(values: np.ndarray, points: Points, flat: np.ndarray | None = None)
 # ---- Flat faces
 
 
-def flat_points(surface: Surface, points: Points, radius: float) -> np.ndarray:
-    """(n,) whether each point is farther than the radius from every edge that is no part of a plane.
+def flat_faces(surface: Surface, points: Points, radius: float) -> np.ndarray:
+    """(n,) the flat face on which each point lies farther than the radius from every edge around it; -1 elsewhere.
 
-    Planes are triangles joined by edges of less than 1 degree, none of which differs by more from all of them together.
+    A flat face is what triangles joined by edges of less than 1 degree make, of which none differs by more from their mean.
     """
     welded = np.unique(np.round(surface.positions / surface.diagonal, 6), axis=0, return_inverse=True)[1].reshape(-1)
-    first, second, ends = neighbors(welded[surface.triangles], surface.triangles)
+    first, second, ends, open_ends = neighbors(welded[surface.triangles], surface.triangles)
     length = np.linalg.norm(surface.crosses, axis=1)
     normals = surface.crosses / np.maximum(length, 1e-300)[:, None]
     bent = np.einsum("ij,ij->i", normals[first], normals[second]) < np.cos(np.radians(COPLANAR))
@@ -149,21 +152,29 @@ def flat_points(surface: Surface, points: Points, radius: float) -> np.ndarray:
     mean /= np.maximum(np.linalg.norm(mean, axis=1), 1e-300)[:, None]
     off = np.einsum("ij,ij->i", normals, mean[plane]) < np.cos(np.radians(COPLANAR))
     sound = np.bincount(plane, off & (length > 0)) == 0
-    result = sound[plane][points.triangles]
-    places = points.places(surface)
-    result[result] = distances(places[result], along(surface.positions[ends[bent]], SPACING * radius)) > CLEAR * radius
-    return result
+    around = along(surface.positions[np.concatenate([ends[bent], open_ends])], SPACING * radius)
+    flat = np.flatnonzero(sound[plane][points.triangles])
+    flat = flat[distances(points.places(surface)[flat], around) > CLEAR * radius]
+    faces = np.full(len(points.triangles), -1)
+    faces[flat] = plane[points.triangles[flat]]
+    few = np.bincount(faces[flat], minlength=1) < FEWEST
+    faces[flat] = np.where(few[faces[flat]], -1, faces[flat])
+    return faces
 
 
-def neighbors(welded: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(m,) and (m,) triangles on the two sides of edges, and (m, 2) their ends; of three at one edge, the pairs."""
+def neighbors(welded: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(m,) and (m,) triangles on the two sides of edges, and (m, 2) their ends; (k, 2) ends of edges with one triangle.
+
+    Three triangles at one edge are two pairs.
+    """
     edges = np.stack([welded, np.roll(welded, -1, axis=1)], axis=2).reshape(-1, 2)
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     key = np.sort(edges, axis=1)
     order = np.lexsort((key[:, 1], key[:, 0]))
     same = (key[order[1:]] == key[order[:-1]]).all(axis=1)
     one, other = order[:-1][same], order[1:][same]
-    return one // 3, other // 3, ends[one]
+    alone = np.setdiff1d(order, np.concatenate([one, other]))
+    return one // 3, other // 3, ends[one], ends[alone]
 
 
 def joined(count: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:

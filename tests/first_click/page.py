@@ -11,18 +11,18 @@ if TYPE_CHECKING:
 INTRODUCTION = f"""# The first click
 
 Each asset is imported and clicked once with every setting at its default, on the button that the panel offers first: *Bake to Image* where
-most of the area lies in faces too large for colors at vertices. The click makes both masks, of which the bold row has the one that suits
-the asset; *seen* is the one that the viewport shows. The values are those shown, from black 0 to white 1, weighted by area.
+most of the area lies in faces too large for colors at vertices. The click makes both masks, of which the bold row has the one that the
+viewport shows; a star marks the one that an artist would look for. The values are those shown, from black 0 to white 1, weighted by area.
 
 | measure | what it is | wanted |
 |---|---|---|
 | white | the value at the 98th percentile of what is not black (above 1/255) | at least {measures.WHITE} |
 | bright | share of the area above {measures.BRIGHT} | {measures.LEAST_BRIGHT:.0%} to {measures.MOST_BRIGHT:.0%} |
 | dark | share of the area below {measures.DARK} | at most {measures.MOST_DARK:.0%} |
-| flat | of hard surfaces: the largest mean on a flat face; in brackets the share of the area that is flat | at most {measures.MOST_ON_FLAT} |
+| flat | of hard surfaces: the brightest flat face; in brackets the share of the area that is flat | at most {measures.MOST_ON_FLAT} |
 
-A point is flat if it is farther than {measures.CLEAR} radii from every edge between triangles that differ by {measures.COPLANAR:g} degree or more, and
-its plane (triangles joined by lesser edges) nowhere differs by more from its mean. A face is as bright as the mean of its flat points.
+A flat face is what triangles joined by edges of less than {measures.COPLANAR:g} degree make, if none of them differs by more from their mean. It is
+as bright as the mean of its points that lie farther than {measures.CLEAR} radii from every edge around it, of which it has {measures.FEWEST} at least.
 Vertices are measured at the corners of triangles, images at 200,000 points of the surface.
 
 *Dirty* is Blender's Dirty Vertex Colors at its defaults, inverted for cavities. *Pointiness* is that of the Geometry node, baked by
@@ -46,20 +46,21 @@ def verdict(row: "Row") -> str:
 
 
 def line(row: "Row") -> str:
-    """One line of the console; a star stands before what is judged, an arrow before what the viewport shows."""
+    """One line of the console; an arrow stands before what the viewport shows, a star before what suits the asset."""
     radius = f"{row.percent:.2f} %" if row.percent else ""
     return (
-        f"{'*' if row.judged else ' '}{'>' if row.seen else ' '}{row.asset:11} {row.mask:10}{row.by:11}{radius:>8}"
+        f"{'>' if row.seen else ' '}{'*' if row.suits else ' '}{row.asset:11} {row.mask:10}{row.by:11}{radius:>8}"
         + "".join(f"{cell:>7}" for cell in cells(row)[:3])
         + f"  {cells(row)[3]:16} {verdict(row)}\n"
     )
 
 
 def summary(rows: list["Row"], left_out: list[str]) -> str:
-    """How many of the judged masks are usable, and what was left out."""
-    judged = [row for row in rows if row.judged]
-    usable = sum(not row.faults for row in judged)
-    return "".join(f"{sentence}\n" for sentence in left_out) + f"usable: {usable} of {len(judged)}\n"
+    """How many masks are usable, and what was left out."""
+    lines = [f"{sentence}\n" for sentence in left_out]
+    for what, chosen in (("shown", [row for row in rows if row.seen]), ("that suit", [row for row in rows if row.suits])):
+        lines.append(f"Usable masks of those {what}: {sum(not row.faults for row in chosen)} of {len(chosen)}.\n")
+    return "".join(lines)
 
 
 def page(rows: list["Row"], left_out: list[str]) -> str:
@@ -67,7 +68,7 @@ def page(rows: list["Row"], left_out: list[str]) -> str:
     head = "| asset | mask | by | radius | white | bright | dark | flat | |\n|---|---|---|---:|---:|---:|---:|---:|---|\n"
     body = ""
     for row in rows:
-        first = [f"**{row.asset}**" if row.judged else "", f"{row.mask}{' (seen)' if row.seen else ''}", row.by]
+        first = [f"**{row.asset}**" if row.seen else "", f"{row.mask}{' *' if row.suits else ''}", row.by]
         radius = f"{row.percent:.2f} %" if row.percent else ""
         body += "| " + " | ".join([*first, radius, *cells(row), verdict(row)]) + " |\n"
     end = f"\nMeasured on {time.strftime('%Y-%m-%d')} by `tests/first_click/report.py --page`; {summary(rows, left_out)}"

@@ -11,7 +11,7 @@ an image; neither is judged. --page writes REPORT.md. --pictures draws a sheet o
 import argparse
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -33,11 +33,11 @@ class Row:
     asset: str
     mask: str
     by: str  # the way of the click, or the name of a peer
-    judged: bool
     percent: float = 0.0  # the radius, of the diagonal
     found: measures.Measures | None = None
-    refusal: str = ""
     seen: bool = False  # whether the viewport shows this one after the click
+    suits: bool = False  # whether it is the one that an artist would look for
+    refusal: str = ""
 
     @property
     def faults(self) -> list[str]:
@@ -45,20 +45,19 @@ class Row:
         return [self.refusal] if self.found is None else self.found.faults()
 
 
-def clicked(asset: Asset, to_image: bool, judged: bool) -> tuple[list[Row], list[clicks.Shown]]:
-    """Clicks on a fresh asset and measures both masks, first the one that suits it, which may be judged."""
+def clicked(asset: Asset, to_image: bool) -> tuple[list[Row], list[clicks.Shown]]:
+    """Clicks on a fresh asset and measures both masks, first the one that the viewport shows."""
     asset.add()
     way = "image" if to_image else "vertices"
     try:
         found = clicks.click(to_image)
     except clicks.Refused as refusal:
-        return [Row(asset.name, asset.mask, way, judged, refusal=str(refusal))], []
-    found.sort(key=lambda shown: shown.mask != asset.mask)
-    rows = []
-    for shown in found:
-        ours = judged and shown.mask == asset.mask
-        rows.append(Row(asset.name, shown.mask, way, ours, shown.percent, shown.measured(asset.hard), seen=shown.seen))
-    return rows, found
+        return [Row(asset.name, asset.mask, way, seen=True, suits=True, refusal=str(refusal))], []
+    found.sort(key=lambda shown: not shown.seen)
+    return [
+        Row(asset.name, shown.mask, way, shown.percent, shown.measured(asset.hard), shown.seen, shown.mask == asset.mask)
+        for shown in found
+    ], found
 
 
 def beside(asset: Asset, mask: str, percent: float, views: dict | None) -> list[Row]:
@@ -72,9 +71,9 @@ def beside(asset: Asset, mask: str, percent: float, views: dict | None) -> list[
         at_vertices = paint(target, mask)
         surface = clicks.surface_of(target.data)
         points = measures.at_corners(surface)
-        flat = measures.flat_points(surface, points, percent / 100 * surface.diagonal) if asset.hard else None
+        faces = measures.flat_faces(surface, points, percent / 100 * surface.diagonal) if asset.hard else None
         values = points.mixed(at_vertices[surface.triangles][..., None])[:, 0]
-        rows.append(Row(asset.name, mask, name, False, found=measures.measured(values, points, flat)))
+        rows.append(Row(asset.name, mask, name, found=measures.measured(values, points, faces)))
         if views is not None:
             views[name] = sheets.of_tones(target, at_vertices)
     return rows
@@ -83,8 +82,8 @@ def beside(asset: Asset, mask: str, percent: float, views: dict | None) -> list[
 def measured(asset: Asset, both: bool, with_peers: bool, pictures: Path | None) -> list[Row]:
     """All rows of one asset, the judged click first; pictures: the folder for its sheet."""
     to_image = clicks.offers_image(asset.add())
-    other = clicked(asset, False, False)[0] if both and to_image else []
-    rows, found = clicked(asset, to_image, True)
+    other = [replace(row, seen=False, suits=False) for row in clicked(asset, False)[0]] if both and to_image else []
+    rows, found = clicked(asset, to_image)
     views = {f"{shown.mask} {shown.way} {shown.percent:.2g}%": sheets.of_mask(shown) for shown in found if pictures}
     if with_peers:
         rows += other + beside(asset, asset.mask, rows[0].percent, views if pictures else None)
@@ -116,11 +115,11 @@ def main(words: list[str]) -> int:
         rows += measured(asset, asked.both, not asked.no_peers, asked.pictures)
         sys.stderr.write(f"{asset.name}: {time.monotonic() - start:.1f} s\n")
     if asked.pictures:
-        sheets.contact(asked.pictures / "contact.png", [asked.pictures / f"{row.asset}.png" for row in rows if row.judged])
+        sheets.contact(asked.pictures / "contact.png", [asked.pictures / f"{row.asset}.png" for row in rows if row.seen])
     sys.stdout.write("".join(["\n", *map(page.line, rows), page.summary(rows, left_out)]))
     if asked.page:
         (HERE / "REPORT.md").write_text(page.page(rows, left_out))
-    return int(any(row.faults for row in rows if row.judged))
+    return int(any(row.faults for row in rows if row.seen))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "first_click")]
@@ -85,6 +86,8 @@ def begin(group: str, folder: Path) -> None:
     bpy.app.timers.register(turn, first_interval=1.0, persistent=True)
 
 
+if not hasattr(np, "bool"):
+    np.bool = bool  # which the glTF importer of Debian's Blender 3.4 asks Debian's newer numpy for
 words = sys.argv[sys.argv.index("--") + 1 :]
 bpy.context.preferences.view.show_splash = False
 bpy.context.preferences.view.smooth_view = 0

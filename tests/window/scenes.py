@@ -29,6 +29,7 @@ def framed(axis: str = "") -> None:
     if axis:
         person.in_view(bpy.ops.view3d.view_axis, type=axis)
     person.in_view(bpy.ops.view3d.view_selected)
+    person.viewport().spaces[0].region_3d.view_distance *= 1.25
     undo_step()
 
 
@@ -96,7 +97,10 @@ def clicked() -> Iterator[str]:
     words, place = yield from to_bake()
     if words:
         yield from person.click(*place)
-        yield from person.drawn(3)
+        for _ in range(20):
+            if not idle():
+                break
+            yield
         yield from person.wait(idle)
         yield from person.drawn(3)
     return words.removeprefix("bpy.ops.paradesc.")

@@ -16,7 +16,10 @@ def pressed(words: str = "paradesc.bake_image(") -> Iterator[float]:
     """Presses that button and waits for the end; gives seconds, or -1 where it is not there."""
     start = time.monotonic()
     there = yield from person.press(words)
-    yield from person.drawn(3)
+    for _ in range(20):
+        if not idle():
+            break
+        yield
     yield from person.wait(idle)
     yield from person.drawn(3)
     return time.monotonic() - start if there else -1.0

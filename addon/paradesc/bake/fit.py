@@ -78,7 +78,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
             arrays = targets.read(target, settings, request).measured
             radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, self.size)
         except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return {"CANCELLED"}
         group.radius_fit = self.size
         properties.show_radius(group, fitting.fitted(properties.job_settings(group), arrays))

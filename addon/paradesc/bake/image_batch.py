@@ -198,8 +198,10 @@ class ImageBatch(OneByOne):
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
-            sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: '
-            piece.told.append(f'{sentence}the texture is "{place}".')
+            piece.told.append(
+                f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: the '
+                f'texture is "{place}".'
+            )
             piece.notes.append(piece.told[-1])
         names = [replace(texture, name=place).file_name for texture in textures]
         piece.made += names

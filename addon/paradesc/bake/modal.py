@@ -109,7 +109,7 @@ class ModalJob:
             self.job = self.begin(context, beside)
         except ParadescError as error:
             self.before.restore()
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return False
         return True
 

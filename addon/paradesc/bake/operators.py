@@ -142,7 +142,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
             for target in [item for item in targets.chosen(context) if targets.unwritable(item)]:
                 names.append(make_local(target, copies).name)
         except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return {"FINISHED" if names else "CANCELLED"}
         self.report({"INFO"}, translation.said("Local now: {names}").format(names=", ".join(names)))
         return {"FINISHED"}

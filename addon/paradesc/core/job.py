@@ -57,6 +57,8 @@ class Settings:
         flat.update(asdict(self.options))
         flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
         flat.update(corner_threshold=self.corner_threshold, space=self.space)
+        if self.radius_fit != "typed":  # reports of each object then have its radius
+            flat["radius_fit"] = self.radius_fit
         return flat
 
 
@@ -397,10 +399,11 @@ def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix
 
 def layout_sentence(layout: bridge.Layout, charts: int) -> str:
     """Says what stood in for the UV map."""
-    count = f"{charts:,} chart" + ("" if charts == 1 else "s")
+    count = f"{charts:,} chart" if charts == 1 else f"{charts:,} charts"
     if layout.kept:
         done = f"the layout of {count} that an earlier bake left in it was used"
     else:
         done = f"Blender unwrapped a copy of it into {count} for the computation"
-    unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
-    return f"The mesh {layout.reason}; {done}{unchanged}."
+    if layout.reason == "has no UV map":
+        return f"The mesh has no UV map; {done}."
+    return f"The mesh {layout.reason}; {done}, and the map itself is unchanged."

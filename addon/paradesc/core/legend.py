@@ -10,7 +10,12 @@ DIRECTIONS = "sizes of x, y, z as red, green, blue"
 
 def title(name: str, unit: str) -> str:
     """The descriptor in words with its unit: "Mean Curvature (1/length)"."""
-    return label(name) + (f" ({unit})" if unit else "")
+    return label(name) + in_unit(unit)
+
+
+def in_unit(unit: str) -> str:
+    """What follows a label: " (1/length)" of values with a unit."""
+    return f" ({unit})" if unit else ""
 
 
 def label(name: str) -> str:

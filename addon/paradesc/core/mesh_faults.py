@@ -46,7 +46,7 @@ def wound(report: dict[str, float | int]) -> list[str]:
         )
     if report["inward_parts"]:
         count = report["inward_parts"]
-        some = f"{count:,} closed part{' is' if count == 1 else 's are'}"
+        some = f"{count:,} closed part is" if count == 1 else f"{count:,} closed parts are"
         which = "The closed mesh is" if report["parts"] == 1 else some
         found.append(
             f"{which} wound inwards, so that what is convex counts as concave: turn the faces (Mesh > Normals > "
@@ -69,4 +69,4 @@ def fallen_apart(report: dict[str, float | int], used: int) -> str:
 
 def edges(count: int) -> str:
     """The beginning of a sentence about so many edges."""
-    return f"{count:,} edge{' has' if count == 1 else 's have'}"
+    return f"{count:,} edge has" if count == 1 else f"{count:,} edges have"

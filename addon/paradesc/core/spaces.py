@@ -42,8 +42,11 @@ def measured(
             found.maps = replace(arrays.maps)
         to_world(found, matrix, name)
     elif not is_even(matrix):
-        sentence = f'The object "{name}" is scaled differently along its axes, but was measured without its scale; '
-        return found, [f"{sentence}{remedy}, or apply the scale."]
+        sentence = (
+            f'The object "{name}" is scaled differently along its axes, but was measured without its scale; {remedy}, '
+            "or apply the scale."
+        )
+        return found, [sentence]
     return found, []
 
 

@@ -304,15 +304,18 @@ def add_sentences(results: Results, name: str) -> None:
         sentence = f'The UV map of "{name}" covers the center of no texel; raise the number of texels.'
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     if found.missed == found.texels:
-        sentence = f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects '
-        sentence += "over each other, or raise the cage distance."
+        sentence = (
+            f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects over '
+            "each other, or raise the cage distance."
+        )
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     results.notes.append(f"Measured on {sources}, at most {found.cage:.4g} away (the cage distance).")
     if not found.missed:
         return
-    sentence = f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
-    sentence += f"{found.cage:.4g} and have values from beside them"
-    if found.missed < WORTH_WARNING * found.texels:
-        results.notes.append(f"{sentence}.")
-    else:
-        results.warnings.append(f"{sentence}; raise the cage distance.")
+    few = found.missed < WORTH_WARNING * found.texels
+    ending = "" if few else "; raise the cage distance"
+    sentence = (
+        f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
+        f"{found.cage:.4g} and have values from beside them{ending}."
+    )
+    (results.notes if few else results.warnings).append(sentence)

@@ -22,7 +22,6 @@ KEY_STEP = 1 << 24  # tells squares of one row from those of the next, wherever 
 # Why there are no tiles where they may be expected.
 OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
 REPEATS = "Most of the UV map crosses borders of UDIM tiles, as that of a texture that repeats does."
-MANY = "The UV map lies over {:,} UDIM tiles, more than {}; use fewer."
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,14 @@ class Tiling:
         """What there is to say of tiles."""
         if not self.crossing:
             return []
-        what = "1 triangle crosses" if self.crossing == 1 else f"{self.crossing:,} triangles cross"
+        count = self.crossing
+        what = f"{count:,} triangle crosses" if count == 1 else f"{count:,} triangles cross"
         return [f"In the UV map {what} the borders of UDIM tiles; each tile shows its part of them."]
+
+
+def too_many(count: int) -> str:
+    """Why a UV map over so many squares makes a single image."""
+    return f"The UV map lies over {count:,} UDIM tiles, more than {MOST_TILES}; use fewer."
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     if in_first(uvs):
         return Tiling(first=True)
     if counts(uvs).max() > MOST_TILES:
-        return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
+        return Tiling(why=too_many(int(counts(uvs).max())))
     sure = middles(uvs)
     inside = in_tiles(sure)
     if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at each
@@ -134,7 +139,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     if not inside.all():
         return Tiling(why=OUTSIDE if (tiles != FIRST).any() else "")
     if len(tiles) > MOST_TILES:
-        return Tiling(why=MANY.format(len(tiles), MOST_TILES))
+        return Tiling(why=too_many(len(tiles)))
     if tiles.tolist() == [FIRST]:
         return Tiling(first=True)
     several = np.bincount(triangles[real[number]], minlength=len(uvs)) > 1

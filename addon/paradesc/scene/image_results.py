@@ -7,6 +7,7 @@ import bpy
 
 from ..core import legend
 from ..files import tile_names
+from ..settings import translation
 from . import record
 
 # The member of the mesh's record.
@@ -32,8 +33,9 @@ class ImageBake:
         return [image for image in map(bpy.data.images.get, self.names) if image is not None]
 
     def label(self, image: bpy.types.Image) -> str:
-        """What an image shows, in words."""
-        return ", ".join(map(legend.label, self.holds[self.names.index(image.name)].split(",")))
+        """What an image shows, in the interface's language."""
+        names = self.holds[self.names.index(image.name)].split(",")
+        return ", ".join(map(translation.label, map(legend.label, names)))
 
 
 def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:

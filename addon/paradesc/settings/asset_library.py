@@ -39,8 +39,9 @@ class PARADESC_OT_asset_library(bpy.types.Operator):
 
 def draw(layout: bpy.types.UILayout) -> None:
     """Draws the button, by what it would do."""
-    text = "Remove from Asset Browser" if place() >= 0 else "Add to Asset Browser"
-    layout.operator("paradesc.asset_library", text=text, icon="ASSET_MANAGER")
+    there = place() >= 0
+    words = translation.label("Remove from Asset Browser" if there else "Add to Asset Browser")
+    layout.operator("paradesc.asset_library", text=words, icon="ASSET_MANAGER", translate=False)
 
 
 classes = (PARADESC_OT_asset_library,)

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 
 from . import asset_library
+from .translation import label
 
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
@@ -55,16 +56,16 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         limit = layout.row()
         limit.prop(self, "memory_limit")
         if self.memory_limit == 0:
-            limit.label(text="Automatic")
+            limit.label(text=label("Automatic"), translate=False)
         layout.prop(self, "presets_folder")
         asset_library.draw(layout)
         row = layout.row()
-        row.operator("paradesc.manual", text="Documentation", icon="HELP")
+        row.operator("paradesc.manual", text=label("Documentation"), translate=False, icon="HELP")
         home = website()
         if home:
-            row.operator("wm.url_open", text="Website", icon="URL").url = home
+            row.operator("wm.url_open", text=label("Website"), translate=False, icon="URL").url = home
         if tracker(home):
-            row.operator("wm.url_open", text="Report a Bug", icon="ERROR").url = tracker(home)
+            row.operator("wm.url_open", text=label("Report a Bug"), translate=False, icon="ERROR").url = tracker(home)
 
 
 def found() -> PARADESC_AP_preferences | None:

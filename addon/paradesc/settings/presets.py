@@ -57,6 +57,16 @@ def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
     return preset
 
 
+def switch_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
+    """Adds a mask to those that are chosen, or takes it away again; one of them stays."""
+    preset, chosen = PRESETS[name], chosen_masks(group)
+    left = [mask for mask in chosen if mask != name] if name in chosen else [*chosen, name]
+    if left:
+        group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in left))
+    show_chosen(preset.label)
+    return preset
+
+
 def shown_chosen() -> tuple[str, Path | None]:
     """What show_chosen() was told last."""
     return PARADESC_MT_presets.bl_label, chosen[0] if chosen else None
@@ -108,7 +118,7 @@ class PARADESC_OT_preset(Chooses, bpy.types.Operator):
 
 
 class PARADESC_OT_mask(Chooses, bpy.types.Operator):
-    """Choose the mask that is baked; quality and colors stay, and so does a radius that was typed or fitted"""
+    """Choose the mask that is baked; a radius that was typed stays. Shift-click bakes several"""
 
     bl_idname = "paradesc.mask"
     bl_label = "Choose Mask"
@@ -119,7 +129,23 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
         description="What the values are for",
         items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
     )
-    choose = staticmethod(choose_mask)
+    extend: bpy.props.BoolProperty(
+        name="Extend", description="Keep the other masks", default=False, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """What the mask is for, and how to bake several."""
+        return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
+
+    def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:
+        """Chooses this mask alone, or beside the others."""
+        return (switch_mask if self.extend else choose_mask)(group, name)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Takes Shift as the switch."""
+        self.extend = event.shift
+        return self.execute(context)
 
 
 class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
@@ -144,7 +170,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         try:
             content = preset_rules.sound(path)
         except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
+            self.report({"ERROR"}, translation.said(error.sentence))
             return {"CANCELLED"}
         preset_members.apply(context.scene, content)
         show_chosen(content.name, path)
@@ -161,7 +187,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         """Draws our presets, then the user's own, then those of shared folders, and what to do with one's own."""
         for name, preset in PRESETS.items():
-            self.layout.operator("paradesc.preset", text=preset.label).name = name
+            self.layout.operator("paradesc.preset", text=translation.label(preset.label), translate=False).name = name
         for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
             rows = preset_folders.rows_in(folder)
             if rows:
@@ -171,10 +197,12 @@ class PARADESC_MT_presets(bpy.types.Menu):
                 line.enabled = not row.fault
                 line.operator("paradesc.load_preset", text=row.name).filepath = str(row.path)
         self.layout.separator()
-        self.layout.operator("paradesc.add_preset", text="Save as Preset…", icon="ADD")
+        save, take_away = translation.label("Save as Preset…"), translation.label("Remove This Preset")
+        self.layout.operator("paradesc.add_preset", text=save, translate=False, icon="ADD")
         remove = self.layout.row()
         remove.enabled = bool(chosen)
-        remove.operator("paradesc.add_preset", text="Remove This Preset", icon="REMOVE").remove_active = True
+        button = remove.operator("paradesc.add_preset", text=take_away, translate=False, icon="REMOVE")
+        button.remove_active = True
 
 
 class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
@@ -227,7 +255,7 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
         except OSError as error:
             sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
         if sentence:
-            self.report({"ERROR"}, sentence)
+            self.report({"ERROR"}, translation.said(sentence))
         return {"CANCELLED"} if sentence else {"FINISHED"}
 
 

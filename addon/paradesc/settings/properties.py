@@ -5,7 +5,7 @@ import bpy
 from ..core import choices, members
 from ..core.job import Settings
 from ..core.members import Member
-from . import leaving, preferences
+from . import leaving, preferences, translation
 
 # The defaults that a scene's settings were made with: files before version 1 have none stored, and those before version 2
 # know no radius that follows from the mesh.
@@ -93,7 +93,7 @@ classes = ()
 
 def register() -> None:
     """Gives every scene its settings."""
-    settings = make_settings()
+    settings = translation.in_our_context(make_settings())
     bpy.utils.register_class(settings)
     bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=settings)
 

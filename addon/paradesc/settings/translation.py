@@ -1,25 +1,118 @@
-"""Blender's translation for texts that Python puts together, and for tooltips that Python answers with.
+"""The language of the interface: the texts of translations/, which Blender looks up in a context that is ours alone.
 
-Blender itself looks up every text that is handed to it as it stands in the code.
+Blender's own dictionary would win in its default context, and translates single words of ours there: in French one
+button of four. Blender itself looks up every label and tooltip that is handed to it as it stands in the code.
 """
+
+import json
+import re
+from collections.abc import Callable
+from functools import cache, lru_cache
+from pathlib import Path
 
 import bpy
 
+ADDON = __package__.rpartition(".")[0]
+FOLDER = Path(__file__).resolve().parents[1] / "translations"
+CONTEXT = "Paradesc"
+# Blender looks tooltips and reports up in the default context, whatever the class says.
+CONTEXTS = (CONTEXT, bpy.app.translations.contexts.default)
+# The languages of each file, as Blender calls them: "de" stands for "de_DE" too, and Blender 4 has renamed zh_CN.
+LANGUAGES = {"de": ("de",), "ja": ("ja",), "zh": ("zh_CN", "zh_HANS")}
+# A property of Blender 3.4 has no context, and a single word in its menu may be Blender's.
+HAS_CONTEXT = "translation_context" in bpy.props.BoolProperty.__doc__
+HOLE = re.compile(r"\{\d+\}")
+
 look_up = bpy.app.translations.pgettext_iface
+look_up_tooltip = bpy.app.translations.pgettext_tip
 # Blender before 4.1 keeps reports with tooltips.
-look_up_report = getattr(bpy.app.translations, "pgettext_rpt", bpy.app.translations.pgettext_tip)
+look_up_report = getattr(bpy.app.translations, "pgettext_rpt", look_up_tooltip)
 
 
-def label(text: str, context: str = "*") -> str:
-    """A label in the language of the interface; format() fills its braces afterwards."""
-    return look_up(text, context)
+def label(text: str) -> str:
+    """A label or a sentence in the language of the interface; format() fills its braces afterwards."""
+    return translated(text, look_up)
 
 
 def said(sentence: str) -> str:
     """A sentence that an operator reports, in the language of reports; format() fills its braces afterwards."""
-    return look_up_report(sentence)
+    return translated(sentence, look_up_report)
 
 
 def tooltip(text: str) -> str:
     """A tooltip, or a reason why a button is grey, in the language of tooltips."""
-    return bpy.app.translations.pgettext_tip(text)
+    return translated(text, look_up_tooltip)
+
+
+def filled(sentence: str, look: Callable[[str, str], str]) -> str:
+    """The translation of a sentence that has names and numbers in it already, with the same in their places.
+
+    Places may hold sentences and labels, which are translated too; what stands in quotes is a name.
+    """
+    template, parts = matched(sentence)
+    shown = [
+        part if f'"{{{number}}}"' in template or not any(map(str.isalpha, part)) else translated(part, look)
+        for number, part in enumerate(parts)
+    ]
+    return look(template, CONTEXT).format(*shown)
+
+
+def translated(text: str, look: Callable[[str, str], str]) -> str:
+    """A text by one of Blender's dictionaries."""
+    return look(text, CONTEXT) if matched(text) is None else filled(text, look)
+
+
+@lru_cache(maxsize=4096)
+def matched(sentence: str) -> tuple[str, tuple[str, ...]] | None:
+    """The text of the catalogs that a sentence is made of, and what stands in its places {0}, {1} …, if there is one."""
+    for template, pattern in templates():
+        found = pattern.fullmatch(sentence)
+        if found is not None and sentence != template:
+            return template, found.groups()
+    return None
+
+
+@cache
+def templates() -> list[tuple[str, re.Pattern[str]]]:
+    """The texts of the catalogs with numbered places, the most particular first, and what their sentences are like."""
+    known = {text for name in LANGUAGES for text in catalog(name) if HOLE.search(text)}
+    patterns = {text: re.compile("(.*)".join(map(re.escape, HOLE.split(text))), re.DOTALL) for text in known}
+    return sorted(patterns.items(), key=lambda row: (-len(HOLE.sub("", row[0])), row[0]))
+
+
+def catalog(name: str) -> dict[str, str]:
+    """The texts of one language by what the code says; none if the file is missing or broken, as in a bad copy."""
+    try:
+        return json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+
+
+def in_our_context(cls: type) -> type:
+    """Lets Blender look up the label of a class, and the names of its properties and their choices, in our context."""
+    if issubclass(cls, (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu)):
+        cls.bl_translation_context = CONTEXT
+    for base in cls.__mro__ if HAS_CONTEXT else ():
+        for made in base.__dict__.get("__annotations__", {}).values():
+            if hasattr(made, "keywords"):
+                made.keywords["translation_context"] = CONTEXT
+    return cls
+
+
+classes = ()
+
+
+def register() -> None:
+    """Hands the catalogs to Blender."""
+    texts = {
+        language: {(context, text): translated for context in CONTEXTS for text, translated in catalog(name).items()}
+        for name, languages in LANGUAGES.items()
+        for language in languages
+    }
+    unregister()  # what a start that failed may have left
+    bpy.app.translations.register(ADDON, texts)
+
+
+def unregister() -> None:
+    """Takes them back."""
+    bpy.app.translations.unregister(ADDON)

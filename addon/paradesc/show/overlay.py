@@ -4,6 +4,7 @@ import bpy
 
 from ..core import color_maps, legend
 from ..scene import record
+from ..settings import translation
 from . import recolor, slots
 
 BAR_WIDTH, BAR_HEIGHT, MARGIN, TEXT_SIZE, STEPS = 260, 12, 26, 12, 65
@@ -34,7 +35,8 @@ def name_in(shading: str, color_type: str, target: bpy.types.Object) -> str:
 def lines_of(mesh: bpy.types.Mesh, name: str) -> tuple[str, color_maps.ValueRange]:
     """The legend's title, and the range with its map."""
     drawn = record.read(mesh).get("drawn", {}).get(name, {})
-    return legend.title(name, drawn.get("unit", "")), recolor.stored_range(mesh, name)
+    title = translation.label(legend.label(name)) + legend.in_unit(drawn.get("unit", ""))
+    return title, recolor.stored_range(mesh, name)
 
 
 def draw() -> None:
@@ -57,7 +59,7 @@ def draw() -> None:
         return
     place, text = (left + MARGIN * scale, MARGIN * scale + below(context.area)), f"{target.name}: {title}"
     if recolor.is_direction(name):
-        draw_texts(*place, width, scale, text, [(0.5, legend.DIRECTIONS)])
+        draw_texts(*place, width, scale, text, [(0.5, translation.label(legend.DIRECTIONS))])
         return
     draw_bar(*place, width, scale, shown)
     draw_texts(*place, width, scale, text, legend.ticks(shown))

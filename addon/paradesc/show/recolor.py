@@ -155,7 +155,7 @@ class NeedsBake:
                     with modes.object_mode(target):
                         self.run(context, target)
                 except ParadescError as error:
-                    self.report({"ERROR"}, error.sentence)
+                    self.report({"ERROR"}, translation.said(error.sentence))
                     failures += 1
         return {"CANCELLED"} if failures == len(found) else {"FINISHED"}
 

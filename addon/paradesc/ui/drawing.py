@@ -1,5 +1,6 @@
 """What the panels share: their place in the sidebar, settings, and sentences in lines that fit into it."""
 
+import re
 from collections.abc import Callable
 from functools import partial
 
@@ -17,6 +18,9 @@ from ..settings.translation import label
 MARGIN, ICON = 58, 24
 # Blender's own, in which labels are drawn.
 FONT = 0
+# What stands in one line: a word with the space before it, or a Chinese or Japanese sign with the commas behind it.
+SIGN = "\u2e80-\u3000\u3003-\u9fff\uff00-\uffef"
+WORD = re.compile(f" ?(?:[^ {SIGN}，．、。：；）」！？]+|[「（]?[{SIGN}])[，．、。：；）」！？]*")
 
 
 class SidebarPanel:
@@ -51,14 +55,20 @@ def in_two_columns(layout: bpy.types.UILayout) -> None:
     layout.use_property_decorate = False
 
 
-def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
+def setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str, **options: object) -> None:
     """Draws a setting, a switch over the whole width, unless it is one for research and those are hidden."""
     if research.is_hidden(group, name):
         return
     if group.bl_rna.properties[name].type == "BOOLEAN":
         layout = layout.row()
         layout.use_property_split = False
-    layout.prop(group, name)
+    layout.prop(group, name, text=label(group.bl_rna.properties[name].name), translate=False, **options)
+
+
+def choice(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str, chosen: str) -> None:
+    """Draws a button for one of the choices of a setting."""
+    words = group.bl_rna.properties[name].enum_items[chosen].name
+    layout.prop_enum(group, name, chosen, text=label(words), translate=False)
 
 
 def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str = "NONE") -> None:
@@ -94,10 +104,10 @@ def descriptor_words(name: str) -> str:
 def wrapped(sentence: str, most: float, width_of: Callable[[str], float] = len) -> list[str]:
     """The sentence in lines that are at most so wide, if no word is wider: Blender's labels do not wrap."""
     lines = [""]
-    for word in sentence.split():
-        longer = f"{lines[-1]} {word}".strip()
+    for word in WORD.findall(" ".join(sentence.split())):
+        longer = (lines[-1] + word).strip()
         if lines[-1] and width_of(longer) > most:
-            lines.append(word)
+            lines.append(word.strip())
         else:
             lines[-1] = longer
     return lines

@@ -17,16 +17,16 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     sentence_lines(context, column, result_sentence(made))
     shown = image_preview.shown(context.active_object)
     for image in filter(image_preview.can_show, images):
-        text = label("Show on Mesh" if len(images) == 1 else made.label(image))
+        text = label("Show on Mesh") if len(images) == 1 else made.label(image)
         options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
         column.operator("paradesc.show_image", text=text, translate=False, **options).name = image.name
     opened = next((image for image in images if image.name == shown), images[0])
     row = column.row(align=True)
-    row.operator("paradesc.open_image", text="Open").name = opened.name
+    row.operator("paradesc.open_image", text=label("Open"), translate=False).name = opened.name
     if image_results.is_packed(images[0]):
-        row.operator("paradesc.save_images", text="Save").name = opened.name
+        row.operator("paradesc.save_images", text=label("Save"), translate=False).name = opened.name
     else:
-        row.operator("paradesc.open_image_folder", text="Folder").name = opened.name
+        row.operator("paradesc.open_image_folder", text=label("Folder"), translate=False).name = opened.name
     for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
         for sentence in sentences.splitlines():
             sentence_lines(context, column, sentence, kind)

@@ -5,7 +5,7 @@ import bpy
 from ..animation import handlers, live, surfaces
 from ..settings import looks
 from ..settings.translation import label
-from .drawing import SettingsPanel, descriptor_words, sentence_lines, setting
+from .drawing import SettingsPanel, choice, descriptor_words, sentence_lines, setting
 
 
 class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
@@ -24,9 +24,10 @@ class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
         """Draws the switch, its sentence, settings, ranges and time."""
         target, group = context.active_object, context.scene.paradesc_live
         mode = target.paradesc_live.mode
-        switch = layout.row()
+        switch = layout.row(align=True)
         switch.use_property_split = False
-        switch.prop(target.paradesc_live, "mode", expand=True)
+        for item in target.paradesc_live.bl_rna.properties["mode"].enum_items:
+            choice(switch, target.paradesc_live, "mode", item.identifier)
         sentence = live_sentence(target)
         if sentence:
             sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")

@@ -4,6 +4,7 @@ import bpy
 
 from ..core import choices
 from ..settings.looks import CHANNELS
+from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines, setting
 
 
@@ -35,8 +36,8 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
         if group.use_neutral:
             setting(layout, group, "neutral")
         row = layout.row(align=True)
-        row.operator("paradesc.recolor", text="Recolor")
-        row.operator("paradesc.recolor", text="All").every = True
+        row.operator("paradesc.recolor", text=label("Recolor"), translate=False)
+        row.operator("paradesc.recolor", text=label("All"), translate=False).every = True
         setting(layout, group, "show_legend")
 
 
@@ -58,8 +59,8 @@ class PARADESC_PT_materials(SettingsPanel, bpy.types.Panel):
         column = layout.column(align=True)
         row = column.row(align=True)
         for kind, text in (("colors", "Colors"), ("flat", "Flat"), ("cavity", "Cavity")):
-            row.operator("paradesc.make_material", text=text).kind = kind
-        column.operator("paradesc.plug_cavity", text="In Active Material", icon="NODE_MATERIAL")
+            row.operator("paradesc.make_material", text=label(text), translate=False).kind = kind
+        column.operator("paradesc.plug_cavity", text=label("In Active Material"), translate=False, icon="NODE_MATERIAL")
         column.operator("paradesc.remove_material", icon="X")
         layout.operator_menu_enum("paradesc.add_geometry_nodes", "kind", icon="GEOMETRY_NODES")
 

@@ -21,7 +21,8 @@ class PARADESC_MT_bake(bpy.types.Menu):
         words = label("Bake {what} to Image" if large else "Bake {what}")
         for name in presets.MASKS:
             text = words.format(what=label(presets.PRESETS[name].label))
-            self.layout.operator("paradesc.bake_image" if large else "paradesc.bake", text=text).mask = name
+            operator = "paradesc.bake_image" if large else "paradesc.bake"
+            self.layout.operator(operator, text=text, translate=False).mask = name
 
 
 def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
@@ -38,7 +39,7 @@ def draw_sculpt_masks(menu: bpy.types.Menu, _context: bpy.types.Context) -> None
         words = label("Mask from {what} at Radius")
         for name in sculpt_mask.MASKS:
             text = words.format(what=label(presets.PRESETS[name].label))
-            menu.layout.operator("paradesc.mask_from_shape", text=text).mask = name
+            menu.layout.operator("paradesc.mask_from_shape", text=text, translate=False).mask = name
 
 
 PLACES = {

@@ -11,7 +11,7 @@ from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
-from .drawing import SidebarPanel, in_two_columns, sentence_lines, setting
+from .drawing import SidebarPanel, choice, in_two_columns, sentence_lines, setting
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
@@ -64,8 +64,8 @@ def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings:
     chosen = presets.chosen_masks(settings)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
-        text, icon = presets.PRESETS[name].label, MASK_ICONS[name]
-        grid.operator("paradesc.mask", text=text, icon=icon, depress=name in chosen).name = name
+        text, icon = label(presets.PRESETS[name].label), MASK_ICONS[name]
+        grid.operator("paradesc.mask", text=text, translate=False, icon=icon, depress=name in chosen).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
         count = label("{count} descriptors, under Analysis").format(count=len(labels))
@@ -76,7 +76,7 @@ def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings
     """Draws how far to look around, by sizes that fit the mesh or by number, and which mesh is measured."""
     sizes = layout.row(align=True)
     for size in advice.SIZES:
-        sizes.prop_enum(settings, "radius_fit", size)
+        choice(sizes, settings, "radius_fit", size)
     column = layout.column()
     in_two_columns(column)
     setting(column, settings, choices.radius_member(settings))
@@ -86,10 +86,10 @@ def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
     column = layout.column(align=True)
-    column.label(text="Protect by Sculpt Mask")
+    sentence_lines(context, column, "Protect by Sculpt Mask")
     row = column.row(align=True)
     for name in sculpt_mask.MASKS:
-        row.operator("paradesc.mask_from_shape", text=presets.PRESETS[name].label).mask = name
+        row.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].label), translate=False).mask = name
     sentence = sculpt_masks.multires_obstacle(context.active_object)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
@@ -132,7 +132,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     if uneven and settings.space == "object":
         if not stored_report(context.active_object):  # its warnings say so at length
             sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
-        layout.prop_enum(settings, "space", "world", text="Measure in World", icon="WORLD")
+        layout.prop_enum(settings, "space", "world", text=label("Measure in World"), translate=False, icon="WORLD")
 
 
 def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:

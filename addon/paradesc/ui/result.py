@@ -9,7 +9,7 @@ from ..scene import mesh_io, viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
-from .drawing import descriptor_words, sentence_lines
+from .drawing import descriptor_words, sentence_lines, setting
 from .report_panel import stored_report
 
 
@@ -41,18 +41,18 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         sentence_lines(context, column, sentence, "ERROR")
     is_small = stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0)
     if is_small and context.scene.paradesc.radius_fit == "typed":
-        column.operator("paradesc.bake", text="Bake with Fitted Radius").fit = "medium"
+        column.operator("paradesc.bake", text=label("Bake with Fitted Radius"), translate=False).fit = "medium"
 
 
 def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws what changes the colors at once, with the names within the fields."""
     looks, column = context.scene.paradesc_looks, layout.column(align=True)
-    column.prop(looks, "contrast", slider=True)
-    column.prop(looks, "brightness", slider=True)
+    setting(column, looks, "contrast", slider=True)
+    setting(column, looks, "brightness", slider=True)
     row = column.row(align=True)
-    row.prop(looks, "invert", toggle=True)
+    row.prop(looks, "invert", text=label("Invert"), translate=False, toggle=True)
     if len(recolor.baked_targets(context)) > 1:
-        row.prop(looks, "same_scale", toggle=True)
+        row.prop(looks, "same_scale", text=label("Same Scale"), translate=False, toggle=True)
 
 
 def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored: dict[str, dict], name: str) -> None:
@@ -68,7 +68,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     row = column.row(align=True)
     percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
     for text, step in (("Finer", -1), ("Broader", 1)):
-        asked = row.operator("paradesc.bake", text=text)
+        asked = row.operator("paradesc.bake", text=label(text), translate=False)
         asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
         asked.fit, asked.radius = next_radius(size, percent, step)
 

@@ -8,7 +8,7 @@ from ..core import devices, spaces
 from ..scene import targets
 from ..settings import preferences
 from ..settings.translation import label
-from .drawing import SettingsPanel, setting
+from .drawing import SettingsPanel, choice, setting
 
 # Backends that bake buffers first, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
@@ -27,12 +27,12 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
         """Draws the registry in three groups, and the options of the chosen operators."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
-            layout.label(text=title)
+            layout.label(text=label(title), translate=False)
             column = layout.column(align=True)
             if rows[0].map_degree:
                 column.prop(settings, "map_descriptor", text="")
             for row in rows:
-                column.prop_enum(settings, "descriptors", row.name)
+                choice(column, settings, "descriptors", row.name)
         chosen = settings.descriptors
         column = layout.column()
         column.use_property_split = True
@@ -78,7 +78,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
             setting(layout, settings, name)
         column = layout.column(align=True)
-        column.label(text="Device")
+        column.label(text=label("Device"), translate=False)
         text = device_words(devices.label_of(settings.backend, settings.device_index))
         column.menu("PARADESC_MT_devices", text=text, translate=False)
         if settings.backend in WITH_BUFFERS:
