@@ -1,7 +1,7 @@
 """The pictures of assets: paint before and after wear, masks, radii and levels, textures, and what others need."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
@@ -37,10 +37,10 @@ def wear(item: bpy.types.Object, look: str) -> None:
 # ---- README
 
 
-def dress_car(car: bpy.types.Object) -> None:
+def dress_car(car: bpy.types.Object, color: Sequence[float]) -> None:
     """Rubber tires, dark windows and bare metal where a car has them; paint is the active material."""
     car.data.materials.clear()
-    studio.paint(car, RED, 0.3)
+    studio.paint(car, color, 0.3)
     studio.paint(car, (0.012, 0.012, 0.013), 0.7)
     studio.paint(car, (0.01, 0.014, 0.02), 0.08)
     studio.paint(car, (0.6, 0.6, 0.6), 0.2, 1.0)
@@ -66,7 +66,7 @@ def group_of_assets() -> list[bpy.types.Object]:
     studio.clear()
     car, stone, crate = models.car(0.0095), models.stone(0.01), models.crate()
     creature = models.creature(0.01)
-    dress_car(car)
+    dress_car(car, RED)
     for item, color, roughness in ((stone, STONE, 0.9), (crate, GREEN, 0.5), (creature, SKIN, 0.55)):
         studio.paint(item, color, roughness)
     place(car, (-0.42, -0.75, 0), 1.05, -62)
@@ -130,7 +130,10 @@ def draw_looks(path: str) -> None:
     ):
         studio.clear()
         item = make()
-        studio.paint(item, color, roughness)
+        if make is models.car:
+            dress_car(item, color)
+        else:
+            studio.paint(item, color, roughness)
         wear(item, look)
         tiles.append(studio.tile([item], (630, 520), view, SAMPLES, lit=True))
     studio.save(studio.sheet(tiles, ("Painted Metal", "Old Stone", "Dusty Plastic"), 3), path)
