@@ -333,3 +333,11 @@ def test_a_fitted_radius_that_is_shown_is_fitted_again_when_the_bake_is_redone(m
     settings = bpy.context.scene.paradesc
     assert bpy.ops.paradesc.bake(fit="broad", radius=5, shown_radius=5, invert=True) == {"FINISHED"}
     assert settings.radius_fit == "broad"
+
+
+@pytest.mark.parametrize("operator", ["bake", "bake_image"])
+def test_a_position_that_is_no_number_is_named(monkey, operator):
+    monkey.modifiers.clear()
+    monkey.data.vertices[7].co.z = np.nan
+    with pytest.raises(RuntimeError, match="The z of vertex 7 is nan"):
+        getattr(bpy.ops.paradesc, operator)()
