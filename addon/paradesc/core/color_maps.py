@@ -42,6 +42,9 @@ EDGES = {"cavity", "convexity"}
 # of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
 NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.05
 
+# The share of a color map that is nearly black; a mask of which more than DARKEST is so shows little.
+DARK, DARKEST = 0.05, 0.8
+
 
 @dataclass(frozen=True)
 class ColorMap:
@@ -281,6 +284,11 @@ def quantile(values: np.ndarray, weights: np.ndarray, percent: float) -> float:
     order = np.argsort(values)
     reached = np.cumsum(weights[order])
     return float(values[order][min(np.searchsorted(reached, percent / 100 * reached[-1]), len(values) - 1)])
+
+
+def most_telling(dark: list[float]) -> int:
+    """The place of the first mask, by the shares that are nearly black, unless it shows little and another one more."""
+    return 0 if dark[0] <= DARKEST else dark.index(min(dark))
 
 
 def map_name(descriptor: Descriptor, look: Look) -> str:

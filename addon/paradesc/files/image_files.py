@@ -14,7 +14,7 @@ import numpy as np
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import fitting, job, texel_centers, texel_tiles, transfer, udim
 from ..core.advice import LARGEST_IN_IMAGES
-from ..core.color_maps import Look
+from ..core.color_maps import Look, most_telling
 from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
 from .results import Baked
@@ -37,8 +37,6 @@ COMPUTING = 0.7
 BEGINNING = 0.3
 # Of the work on a texture, drawing has this share; it is packed in the rest.
 DRAWING = 0.8
-# An image of which more than this share is nearly black shows little.
-DARKEST = 0.8
 # Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
 STACKED_SHARE = 1.05
 
@@ -123,7 +121,7 @@ class Textures:
     def most_telling(self) -> int:
         """The place of the first image, unless it is black nearly everywhere and another is less so."""
         dark = [sum(tile.dark for tile in tiles) / len(tiles) for tiles in self.by_name().values()]
-        return 0 if dark[0] <= DARKEST else dark.index(min(dark))
+        return most_telling(dark)
 
 
 def word_of(name: str) -> str:

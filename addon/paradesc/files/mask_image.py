@@ -11,12 +11,10 @@ import numpy as np
 
 from .. import bridge
 from ..core import threads
-from ..core.color_maps import Levels, ValueRange
+from ..core.color_maps import DARK, Levels, ValueRange
 from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
-# What is nearly black, as a share of white.
-DARK = 0.05
 # A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
 SMALLEST_CLEAN = 128
 LEAST_GUTTER = 8

@@ -293,9 +293,8 @@ def show(mesh: bpy.types.Mesh, name: str) -> None:
 def most_telling(seen: dict[str, dict[str, float]]) -> str:
     """The first of the values, by what extremes() gives; a mask that is black nearly everywhere gives way to another."""
     first = next(iter(seen))
-    if seen[first].get("dark", 0.0) <= DARKEST:
-        return first
-    return min((name for name in seen if "dark" in seen[name]), key=lambda name: seen[name]["dark"])
+    dark = {name: row["dark"] for name, row in seen.items() if "dark" in row}
+    return [*dark][color_maps.most_telling([*dark.values()])] if first in dark else first
 
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
@@ -303,9 +302,8 @@ def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, 
     return {} if look.ranges or look.percentile is not None else {"automatic": [shown.minimum, shown.maximum]}
 
 
-# What is nearly black and nearly white, as shares of the color map; so many faces tell how much of the mesh is.
-# A mask of which more than DARKEST is nearly black shows little.
-DARK, BRIGHT, DARKEST, ENOUGH_FACES = 0.05, 0.95, 0.8, 100_000
+# The share of a color map from which on it is nearly white; so many faces tell how much of the mesh is black or white.
+BRIGHT, ENOUGH_FACES = 0.95, 100_000
 
 
 def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -327,7 +325,7 @@ def extremes(
         return {}
     places = shown.shares(values[corners])
     return {
-        "dark": float(np.average((places < DARK).mean(axis=1), weights=areas)),
+        "dark": float(np.average((places < color_maps.DARK).mean(axis=1), weights=areas)),
         "bright": float(np.average((places > BRIGHT).mean(axis=1), weights=areas)),
     }
 

@@ -4,8 +4,8 @@ import bpy
 
 from .. import bridge
 from ..bake.fit import PANEL
-from ..core import advice
-from ..scene import mesh_io, viewports
+from ..core import advice, color_maps
+from ..scene import viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
@@ -59,7 +59,7 @@ def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored
     """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius."""
     drawn = stored["drawn"].get(name, {})
     sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
-    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > mesh_io.DARKEST), "")
+    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > color_maps.DARKEST), "")
     diagonal = stored["mesh_report"].get("diagonal", 0.0)
     if not (sentence and diagonal > 0):
         return
