@@ -16,7 +16,7 @@ from ..scene import image_nodes, image_places, image_results, images, mesh_io, p
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
 
-# What a warning of the native library has that tells of another layout than the UV map.
+# These words are in the native library's warning about another layout than the UV map.
 LAID_OUT = "laid out afresh"
 
 
@@ -42,7 +42,7 @@ class TextureBake(Piece):
         self.textures = self.computed = None
 
     def result(self, size: int) -> image_results.ImageBake:
-        """What the mesh keeps of it, once its images are there."""
+        """The record of it that the mesh keeps, once its images are there."""
         transfer = self.textures.results.transfer
         return image_results.ImageBake(
             names=[image.name for image in self.images],

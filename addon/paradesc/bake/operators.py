@@ -112,7 +112,7 @@ def bake_sentence(batch: Batch) -> str:
 
 
 def skipped_clause(names: list[str]) -> str:
-    """What a bake left out, at the end of its line; "" if there is nothing."""
+    """The end of a bake's line, which names the objects that it left out; "" if there are none."""
     listed = ", ".join(f'"{name}"' for name in names[:LISTED]) + (", …" if len(names) > LISTED else "")
     if not names:
         return ""

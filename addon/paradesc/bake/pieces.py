@@ -10,7 +10,7 @@ from ..core.threads import Worker
 from ..files import file_names
 from ..settings.translation import label, said
 
-# What people read of the stages that computations go through.
+# People read these words for the stages that computations go through.
 STAGE_WORDS = {
     "read": "Reading the mesh",
     "start": "Preparing",

@@ -17,7 +17,7 @@ Settings, Results = TypeVar("Settings"), TypeVar("Results")
 # where a mask is brighter than half on more than this share of the surface.
 HALVINGS, MOST_BRIGHT, WORTH_HALVING = 3, 0.4, 0.05
 NARROWED = ("fine", "medium")
-# What the radius of settings is that has been fitted to a mesh.
+# Settings whose radius has been fitted to a mesh have this word in place of a size.
 FITTED = "fitted"
 
 
@@ -35,7 +35,7 @@ def narrowed(
     compute: Callable[[Settings], Results],
     values_of: Callable[[Results], dict[str, np.ndarray]],
 ) -> Results:
-    """What is computed with the radius that settings have been fitted with, or with half of it and so on.
+    """Computes with the radius that settings have been fitted with, or with half of it and so on.
 
     A half is better where a mask is bright on less of the surface than before, which was too much.
     """

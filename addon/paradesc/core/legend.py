@@ -14,7 +14,7 @@ def title(name: str, unit: str) -> str:
 
 
 def in_unit(unit: str) -> str:
-    """What follows a label: " (1/length)" of values with a unit."""
+    """The end of a label: " (1/length)" of values with a unit."""
     return f" ({unit})" if unit else ""
 
 

@@ -22,7 +22,7 @@ MESH_REPORT = (
 )
 FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
 WORDS = ("backend", "device", "warnings", "notes")
-# What the panel shows of a bake to images: for each image its name and what it holds, and besides:
+# The panel shows this of a bake to images: for each image its name and what it holds, and besides:
 IMAGE_LISTS = ("names", "holds")
 IMAGE_WORDS, IMAGE_NUMBERS = ("uv_map", "notes", "warnings"), ("size", "seconds", "cage")
 
@@ -68,7 +68,7 @@ def is_report(value: object, members: tuple[str, ...]) -> bool:
 
 
 def image_bake(value: object) -> dict[str, object]:
-    """What a bake to images left, or nothing if any of it is missing."""
+    """The record of a bake to images, or nothing if any of it is missing."""
     row = as_dict(value)
     lists = [row.get(name) for name in IMAGE_LISTS]
     sound = all(isinstance(one, list) and all(isinstance(text, str) for text in one) for one in lists)

@@ -55,7 +55,7 @@ class Choice:
         return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
 
     def runs(self, settings: job.Settings, fit: Callable[[job.Settings], job.Settings]) -> list[job.Settings]:
-        """What is computed at once: masks that share a texture have the radius each that fits it and the mesh."""
+        """The settings of each computation: masks that share a texture each have the radius that fits the mesh."""
         settings = self.settings(settings)
         if not self.packed:
             return [fit(settings)]
@@ -96,7 +96,7 @@ class Encoded:
 
 @dataclass
 class Computed:
-    """What the textures of one object are drawn from."""
+    """The results that the textures of one object are drawn from."""
 
     stem: str  # with which their names begin
     found: list[job.Results]  # of each radius
@@ -223,7 +223,7 @@ def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = 
 
 
 def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:
-    """What each descriptor is drawn from in a tile."""
+    """The results that each descriptor is drawn from in a tile."""
     bakes = {}
     for number, results in enumerate(made_of.found):
         own = results.of_tile(tile, job.part_of(progress, number, len(made_of.found)))
@@ -233,7 +233,7 @@ def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | N
 
 
 def joined(found: list[job.Results]) -> job.Results:
-    """What several computations say together: the first one's reports, and the seconds, notes and warnings of all."""
+    """The results of several computations: the first one's reports, and the seconds, notes and warnings of all."""
     first = found[0]
     seconds = {
         name: sum(one.field_report[name] for one in found) for name in first.field_report if name.startswith("seconds_")

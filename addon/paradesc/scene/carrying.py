@@ -78,7 +78,7 @@ def carried_values(target: bpy.types.Object, mesh: bpy.types.Mesh) -> dict[str, 
 
 @dataclass(frozen=True)
 class Measured:
-    """What the modifiers made when it was measured."""
+    """The sizes of the mesh that the modifiers made when it was measured."""
 
     points: int
     corners: int
@@ -115,7 +115,7 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) ->
 
 
 def measured_of(group: bpy.types.NodeTree) -> Measured:
-    """What was measured, by the nodes of a group."""
+    """The sizes of the mesh that was measured, by the nodes of a group."""
     points, corners = (integers(group.nodes[name])[1].default_value for name in COUNTS)
     return Measured(points, corners, any(node.bl_idname == NEAREST for node in group.nodes))
 
@@ -218,7 +218,7 @@ def group_for(own: bpy.types.NodeTree | None, kinds: list[tuple[str, str]], by_p
 
 
 def structure(group: bpy.types.NodeTree) -> str:
-    """What a group is made of, in words that stay when a newer Blender opens the file: its nodes have other sockets."""
+    """A digest of a group's parts that stays when a newer Blender opens the file: its nodes have other sockets."""
     nodes = [(node.bl_idname, node.name, node.mute, name_in(node)) for node in group.nodes]
     ends = [(link.from_node, link.from_socket, link.to_node, link.to_socket) for link in group.links]
     links = sorted(tuple(end.name for end in link) for link in ends)

@@ -46,7 +46,7 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
 
 
 def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
-    """What carrying has to know of the mesh that was measured; is_lost: it lacks own vertices of the object."""
+    """The sizes of the mesh that was measured, for its carrier; is_lost: it lacks own vertices of the object."""
     return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
 
 

@@ -16,7 +16,7 @@ OF_VERTICES = "paradesc_mask_of"
 # The inputs of those groups that take a mask, and the descriptors that these are.
 TAKEN = {"Cavity": "cavity", "Edges": "convexity", "Edge Wear": "convexity"}
 CHANNELS = ("Red", "Green", "Blue")
-# Where nodes stand beside each other, in the node editor's units.
+# Nodes stand so far from each other, in the node editor's units.
 NODE_WIDTH, NODE_HEIGHT = 300.0, 320.0
 
 
@@ -36,7 +36,7 @@ class Texture:
 
     @property
     def label(self) -> str:
-        """What it shows, in words."""
+        """The names of the values, in words."""
         return ", ".join(legend.label(name) for name in self.holds)
 
 
@@ -130,7 +130,7 @@ def add(
 
 
 def place_of(node: bpy.types.Node) -> tuple[float, float]:
-    """Where a node stands in its tree; its own numbers count from the frame that it is in."""
+    """The place of a node in its tree; its own numbers count from the frame that it is in."""
     x, y = node.location
     while node.parent is not None:
         node = node.parent

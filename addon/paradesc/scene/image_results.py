@@ -16,7 +16,7 @@ MEMBER = "image_bake"
 
 @dataclass
 class ImageBake:
-    """What a bake to images made of one mesh; plain values, as a custom property keeps them."""
+    """The result of a bake of one mesh to images; plain values, as a custom property keeps them."""
 
     names: list[str]  # of the images in the .blend
     holds: list[str]  # the names of the values in each, between commas
@@ -33,7 +33,7 @@ class ImageBake:
         return [image for image in map(bpy.data.images.get, self.names) if image is not None]
 
     def label(self, image: bpy.types.Image) -> str:
-        """What an image shows, in the interface's language."""
+        """The names of the values in an image, in the interface's language."""
         names = self.holds[self.names.index(image.name)].split(",")
         return ", ".join(map(translation.label, map(legend.label, names)))
 
@@ -45,7 +45,7 @@ def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:
 
 
 def found(target: bpy.types.Object | None) -> ImageBake | None:
-    """What the last bake to images made of an object's mesh, or None, also where none of its images is left."""
+    """The result of the last bake of an object's mesh to images, or None, also where none of its images is left."""
     if target is None or target.type != "MESH":
         return None
     stored = record.read(target.data).get(MEMBER)
@@ -59,7 +59,7 @@ def is_packed(image: bpy.types.Image) -> bool:
 
 
 def folder_of(image: bpy.types.Image) -> Path:
-    """Where its file lies."""
+    """The folder of its file."""
     return Path(bpy.path.abspath(image.filepath)).parent
 
 

@@ -11,7 +11,7 @@ from .arrays import read_array
 
 # A mesh with more faces than this is fine enough.
 MOST_FACES = 200_000
-# What was found lately, by what tells meshes apart without reading them.
+# The answers of late, by what tells meshes apart without reading them.
 _found: dict[tuple, bool] = {}
 MOST_KEPT = 256
 # So many of the selected meshes are asked.
@@ -47,7 +47,7 @@ def are_too_large(target: bpy.types.Object, source: str) -> bool:
 
 
 def counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
-    """What is quick to ask of a mesh and seldom stays when it becomes another."""
+    """The numbers that are quick to ask of a mesh and seldom stays when it becomes another."""
     return len(mesh.vertices), len(mesh.polygons)
 
 

@@ -261,7 +261,7 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
 
 
 def extras_on(mesh: bpy.types.Mesh, results: Results) -> dict[str, np.ndarray]:
-    """What a mesh gets beside the values; which vertices have none only where one has none, or an earlier bake said."""
+    """The attributes beside the values; which vertices have none only where one has none, or an earlier bake said."""
     kept = {**results.extras}
     if not kept[UNDEFINED_MASK].any() and record.attribute_of(mesh, UNDEFINED_MASK) not in mesh.attributes:
         del kept[UNDEFINED_MASK]

@@ -43,7 +43,7 @@ def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def kind_words(target: bpy.types.Object) -> str:
-    """What kind of object it is, as Blender calls it."""
+    """The kind of an object, as Blender calls it."""
     return target.bl_rna.properties["type"].enum_items[target.type].name
 
 

@@ -14,7 +14,7 @@ from . import mesh_io, modes, targets, unwrap
 NAME = "Paradesc"
 # Charts lie so far apart, as a share of the square's side: eight texels of 1024.
 GUTTER = 8 / 1024
-# Where so many faces, by area, share each place on average, an image is of no use. Mirrored halves share one with two.
+# An image is of no use if so many faces, by area, share each place on average. Mirrored halves share one with two.
 MOST_STACKED = 3.0
 # Texels along a side of the image that tells how much of the square is covered.
 PROBE = 256

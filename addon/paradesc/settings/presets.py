@@ -30,12 +30,6 @@ def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
     return masks_of(group.descriptors)
 
 
-def chosen_mask(group: bpy.types.PropertyGroup) -> str:
-    """The only mask that is chosen, or ""."""
-    found = chosen_masks(group)
-    return found[0] if len(found) == 1 else ""
-
-
 def members() -> list[str]:
     """Names of the settings that a preset sets, without colors and images."""
     return list(preset_rules.setting_members())
