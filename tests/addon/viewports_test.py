@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
-pytest.importorskip("bpy", reason="needs Blender")
+bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.scene import viewports  # noqa: E402
+from scene import add_sphere, select, small_bake  # noqa: E402
 
 
 class Screen(dict):
@@ -117,3 +118,16 @@ def test_what_earlier_versions_kept_of_each_viewport_is_restored():
     viewports.restore(screen)
     assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
     assert screen.lights() == ["STUDIO"] * 3
+
+
+def test_a_window_of_another_scene_is_known_to_show_a_bake(registered):
+    target = add_sphere()
+    select(target)
+    small_bake()
+    bpy.ops.paradesc.bake()
+    other = bpy.data.scenes.new("other")
+    other.collection.objects.link(bpy.data.objects.new("same mesh", target.data))
+    other.view_layers[0].update()
+    assert viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))
+    target.data.color_attributes.active_color_index = -1
+    assert not viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))

@@ -135,7 +135,8 @@ def yield_to_mask(context: bpy.types.Context) -> None:
 
 def shows_ours(window: bpy.types.Window) -> bool:
     """Whether any visible mesh of a window has colors of a bake as its active ones."""
-    meshes = {item.data for item in window.view_layer.objects if item.type == "MESH" and item.visible_get()}
+    layer = window.view_layer  # windows may show other scenes than that of the context
+    meshes = {item.data for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)}
     active = ((mesh, mesh.color_attributes.active_color) for mesh in meshes)
     return any(color is not None and color.name in record.attributes_of(mesh) for mesh, color in active)
 
