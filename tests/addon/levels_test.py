@@ -165,3 +165,15 @@ def test_a_range_of_one_side_acts_at_once_and_is_as_a_bake_makes_it(looks):
         assert shown[-1] in (None, pytest.approx(baked))
     assert shown[2][0] < shown[1][0]
     assert shown[2][0] == pytest.approx(-shown[2][1])
+
+
+def test_resetting_research_settings_recolors_what_is_shown(looks):
+    target = bumpy()
+    bake(target)
+    usual = greys(target)
+    looks.span, looks.percentile = "percentile", 20.0
+    asked = greys(target)
+    assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
+    assert not np.allclose(greys(target), asked)
+    looks.span = "auto"
+    assert greys(target) == pytest.approx(usual)
