@@ -131,3 +131,16 @@ def test_a_window_of_another_scene_is_known_to_show_a_bake(registered):
     assert viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))
     target.data.color_attributes.active_color_index = -1
     assert not viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))
+
+
+def test_a_viewport_that_showed_materials_for_an_earlier_click_is_solid_again_too(monkeypatch):
+    monkeypatch.setattr(viewports, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    monkeypatch.setattr(viewports.image_preview, "hide", lambda: None)
+    screen = Screen()
+    first, *others = [shading for _, shading in viewports.shadings(screen)]
+    viewports.reveal_materials(SimpleNamespace(screen=screen))
+    first.type = "SOLID"
+    viewports.reveal_materials(SimpleNamespace(screen=screen))
+    assert {shading.type for shading in (first, *others)} == {"MATERIAL"}
+    viewports.restore(screen)
+    assert {shading.type for shading in (first, *others)} == {"SOLID"}

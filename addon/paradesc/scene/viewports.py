@@ -103,7 +103,8 @@ def reveal_materials(context: bpy.types.Context) -> None:
     for _, shading in solid:
         shading.type = "MATERIAL"
     if solid:
-        context.screen[SOLID_BEFORE] = [int(number) for number, _ in solid]
+        earlier = set(context.screen.get(SOLID_BEFORE, []))
+        context.screen[SOLID_BEFORE] = sorted(earlier | {int(number) for number, _ in solid})
 
 
 def can_restore(context: bpy.types.Context) -> bool:
