@@ -58,7 +58,7 @@ def draw_hero(path: str) -> None:
     for item, look in zip(made, ("PAINTED_METAL", "OLD_STONE", "PAINTED_METAL", "AS_IS"), strict=True):
         wear(item, look)
     tiles.append(studio.tile(made, size, view, SAMPLES, lit=True))
-    studio.save(studio.sheet(tiles, ("Plain paint", "The same, after one click: Add Wear to Material"), 2), path)
+    studio.save(studio.sheet(tiles, ("Plain paint", "After one click each: Add Wear to Material"), 2), path)
 
 
 def group_of_assets() -> list[bpy.types.Object]:
