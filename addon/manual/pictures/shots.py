@@ -287,7 +287,7 @@ def pixels_of(image: bpy.types.Image) -> Image.Image:
 
 
 def draw_textures(path: str) -> None:
-    """What Bake to Image leaves of the gear: edges, cavity, and three masks in one image."""
+    """The images that Bake to Image leaves of the gear: edges, cavity, and three masks in one."""
     studio.clear()
     item, tiles = models.gear(), []
     models.unwrap(item)

@@ -14,7 +14,7 @@ from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, 
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
-# What a record says of values, which other colors do not change.
+# Other colors do not change these members of what a record says of values.
 KEPT = ("radius", "unit", "automatic")
 
 

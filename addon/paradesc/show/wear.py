@@ -20,7 +20,7 @@ GROUP = "Paradesc Wear"
 PASSED = {"Base Color": "Color", "Roughness": "Roughness", "Metallic": "Metallic"}
 # Inputs of the group that masks are linked to, and the descriptors that these are.
 MASKS = {"Cavity": "cavity", "Edges": "convexity"}
-# Of the group's inputs, those that come from the material and the object; all others make the look.
+# The group's inputs that come from the material and the object; all others make the look.
 GIVEN = {*PASSED, *MASKS, "Proportions"}
 AS_IS = "AS_IS"
 # The materials of the assets, by the look that they have.
@@ -45,7 +45,7 @@ def values_of(node: bpy.types.Node) -> Values:
 
 
 def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
-    """What a look sets: the defaults of the group, or what the material of the assets has."""
+    """The values that a look sets: the defaults of the group, or what the material of the assets has."""
     if look == AS_IS:
         fresh = add_node(tree, "ShaderNodeGroup", (0, 0), node_tree=shared_group(GROUP))
         found = values_of(fresh)
@@ -58,7 +58,7 @@ def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
 
 
 def left_values(node: bpy.types.Node) -> Values:
-    """What we have set the inputs to; empty where it was somebody else."""
+    """The values that we have set the inputs to; empty where it was somebody else."""
     return record.kept(node, LEFT)
 
 
@@ -161,7 +161,7 @@ def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
 
 
 def free_place(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> tuple[float, float]:
-    """Where a node fits left of a shader, below what stands there; no node of the user's moves."""
+    """A place for a node left of a shader, below what stands there; no node of the user's moves."""
     left = shader.location.x - 300
     beside = [node.location for node in tree.nodes if -400 < node.location.x - left < 240]
     return left, min([shader.location.y, *(place.y - 360 for place in beside)])
