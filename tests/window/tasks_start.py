@@ -84,6 +84,8 @@ def last_operator(run: "Run") -> Iterator[None]:
     yield from person.drawn(5)
     file = yield from run.picture("f9")
     run.saw("B16", "what F9 offers", None, file)
+    yield from person.click(x, y, "ESC")
+    yield from person.move(x + 500, y + 200)
     before = bpy.context.object.data["paradesc"]["field_report"]["radius"]
     last = bpy.context.window_manager.operators[-1]
     last.properties.radius = 2 * last.properties.radius

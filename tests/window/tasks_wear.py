@@ -11,14 +11,25 @@ if TYPE_CHECKING:
     from drive import Run
 
 
-def lit() -> None:
-    """A world and a lamp, and Cycles, with few samples."""
+def rendered(run: "Run", name: str) -> str:
+    """Renders what the viewport sees with Cycles and one lamp; gives the name of the picture."""
     scene = bpy.context.scene
-    scene.render.engine, scene.cycles.device = "CYCLES", "CPU"
-    scene.cycles.preview_samples, scene.cycles.use_preview_denoising = 8, False
-    lamp = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-    lamp.rotation_euler, lamp.data.energy = (0.8, 0.3, 0.4), 3.0
-    bpy.context.collection.objects.link(lamp)
+    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 24
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 900, 900, 100
+    if scene.camera is None:
+        lamp = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+        lamp.rotation_euler, lamp.data.energy = (0.8, 0.3, 0.4), 3.0
+        scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+        for item in (lamp, scene.camera):
+            bpy.context.collection.objects.link(item)
+        person.in_view(bpy.ops.view3d.camera_to_view)
+        scene.camera.data.clip_end = 1e5
+        person.in_view(bpy.ops.view3d.camera_to_view_selected)
+        person.in_view(bpy.ops.view3d.view_camera)
+    file = f"wear_{name}_rendered.png"
+    scene.render.filepath = str(run.folder / file)
+    bpy.ops.render.render(write_still=True)
+    return file
 
 
 def wear(run: "Run") -> Iterator[None]:
@@ -44,13 +55,9 @@ def wear(run: "Run") -> Iterator[None]:
     inputs = [item.name for node in material.node_tree.nodes if node.type == "GROUP" for item in node.inputs]
     file = yield from run.picture("wear_solid")
     run.saw("B17", f"groups {groups}, inputs {inputs}; attributes {[name for name in made.data.attributes.keys() if not name.startswith('.')]}", bool(groups), file)
-    lit()
-    shading().type = "RENDERED"
-    yield from person.drawn(200)
-    file = yield from run.picture("wear_rendered")
-    run.saw("B17", "the beast with wear, in Cycles", None, file)
     shading().type = "SOLID"
-    yield from person.drawn(2)
+    yield
+    run.saw("B17", "the beast with wear, in Cycles", None, rendered(run, "first"))
 
 
 def looks(run: "Run") -> Iterator[None]:
@@ -66,16 +73,14 @@ def looks(run: "Run") -> Iterator[None]:
         person.in_view(operator, "INVOKE_DEFAULT", **{word: name})
         yield from person.drawn(3)
         yield from person.wait(idle)
-        shading().type = "RENDERED"
-        yield from person.drawn(150)
-        file = yield from run.picture(f"look_{name}")
-        run.saw("item 6", f"look {name}", None, file)
         shading().type = "SOLID"
-        yield from person.drawn(2)
+        yield
+        run.saw("item 6", f"look {name}", None, rendered(run, name))
 
 
 def browser(run: "Run") -> Iterator[None]:
     """The Asset Browser with the add-on's library."""
+    bpy.ops.paradesc.asset_library()
     libraries = [(item.name, item.path) for item in bpy.context.preferences.filepaths.asset_libraries]
     run.saw("item 6", f"asset libraries: {libraries}", any("aradesc" in name for name, _ in libraries))
     area = person.viewport()

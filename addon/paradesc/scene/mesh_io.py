@@ -299,7 +299,7 @@ def most_telling(seen: dict[str, dict[str, float]]) -> str:
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
     """The range of a bake for recoloring, if it was not asked for."""
-    return {} if look.ranges or look.percentile is not None else {"automatic": [shown.minimum, shown.maximum]}
+    return {"automatic": [shown.minimum, shown.maximum]} if look.is_automatic(shown.diverging) else {}
 
 
 # The share of a color map from which on it is nearly white; so many faces tell how much of the mesh is black or white.

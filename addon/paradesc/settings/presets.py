@@ -129,7 +129,7 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the mask is for, and how to bake several."""
+        """Says what the mask is for, and how to bake several."""
         return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
 
     def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:
