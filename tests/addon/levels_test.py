@@ -128,6 +128,16 @@ def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(loo
     assert spans()[0] == spans()[1]
 
 
+def test_meshes_with_several_fitted_radii_have_one_range_for_each_descriptor(looks):
+    settings = bpy.context.scene.paradesc
+    settings.radius_fit, settings.more_radii, looks.same_scale = "broad", "7", True
+    one, other = bumpy("one"), add_sphere("other", steps=30)
+    bake(one, other)
+    ranges = {**record.read(one.data)["ranges"], **record.read(other.data)["ranges"]}
+    assert len(ranges) == 3  # the fitted radius of each mesh, and the one that both have
+    assert len(set(map(tuple, ranges.values()))) == 1
+
+
 def test_a_bake_tells_how_much_of_a_mask_is_black_or_white(looks):
     target = bumpy()
     bake(target)

@@ -6,8 +6,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene import viewports  # noqa: E402
-from scene import add_sphere, select, small_bake  # noqa: E402
+from paradesc.scene import node_groups, record, viewports  # noqa: E402
+from scene import add_sphere  # noqa: E402
 
 
 class Screen(dict):
@@ -120,27 +120,41 @@ def test_what_earlier_versions_kept_of_each_viewport_is_restored():
     assert screen.lights() == ["STUDIO"] * 3
 
 
-def test_a_window_of_another_scene_is_known_to_show_a_bake(registered):
-    target = add_sphere()
-    select(target)
-    small_bake()
-    bpy.ops.paradesc.bake()
-    other = bpy.data.scenes.new("other")
-    other.collection.objects.link(bpy.data.objects.new("same mesh", target.data))
-    other.view_layers[0].update()
-    assert viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))
-    target.data.color_attributes.active_color_index = -1
-    assert not viewports.shows_ours(SimpleNamespace(view_layer=other.view_layers[0]))
+def test_undo_of_something_else_leaves_materials_that_are_shown():
+    target = add_sphere("ball")
+    material = bpy.data.materials.new("worn")
+    material.use_nodes = True
+    target.data.materials.append(material)
+    node = material.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = node_groups.new_group("ShaderNodeTree", "Paradesc Wear")
+    window = SimpleNamespace(view_layer=bpy.context.view_layer, screen={viewports.SOLID_BEFORE: [0]})
+    assert viewports.shows_ours(window)
+    material.node_tree.nodes.remove(node)
+    assert not viewports.shows_ours(window)
 
 
-def test_a_viewport_that_showed_materials_for_an_earlier_click_is_solid_again_too(monkeypatch):
-    monkeypatch.setattr(viewports, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
-    monkeypatch.setattr(viewports.image_preview, "hide", lambda: None)
+def test_colors_in_another_scene_count_in_the_window_that_shows_it():
+    scene = bpy.data.scenes.new("other")
+    target = add_sphere("ball")
+    bpy.context.collection.objects.unlink(target)
+    scene.collection.objects.link(target)
+    scene.view_layers[0].update()
+    target.data.attributes.new("cavity_color", "FLOAT_COLOR", "POINT")
+    record.write(target.data, {}, {}, {}, ["cavity_color"])
+    target.data.color_attributes.active_color = target.data.color_attributes["cavity_color"]
+    assert viewports.shows_ours(SimpleNamespace(view_layer=scene.view_layers[0], screen={}))
+    assert not viewports.shows_ours(SimpleNamespace(view_layer=bpy.context.view_layer, screen={}))
+
+
+def test_every_viewport_that_showed_materials_for_a_moment_is_solid_again(monkeypatch):
     screen = Screen()
-    first, *others = [shading for _, shading in viewports.shadings(screen)]
+    shading = [shading for _, shading in viewports.shadings(screen)]
+    shading[0].type = "RENDERED"
+    monkeypatch.setattr(viewports, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    monkeypatch.setattr(viewports.preferences, "shows_results", lambda: True)
+    monkeypatch.setattr(viewports.image_preview, "hide", lambda: None)
     viewports.reveal_materials(SimpleNamespace(screen=screen))
-    first.type = "SOLID"
+    shading[0].type = "SOLID"  # somebody opens another one, and wear is set anew
     viewports.reveal_materials(SimpleNamespace(screen=screen))
-    assert {shading.type for shading in (first, *others)} == {"MATERIAL"}
     viewports.restore(screen)
-    assert {shading.type for shading in (first, *others)} == {"SOLID"}
+    assert [one.type for one in shading] == ["SOLID"] * 3
