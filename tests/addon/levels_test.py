@@ -1,12 +1,15 @@
 """Levels of masks: contrast, brightness and inversion act at once; several meshes may share one range."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import record  # noqa: E402
+from paradesc.scene import record, viewports  # noqa: E402
+from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, select  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -187,3 +190,13 @@ def test_resetting_research_settings_recolors_what_is_shown(looks):
     assert not np.allclose(greys(target), asked)
     looks.span = "auto"
     assert greys(target) == pytest.approx(usual)
+
+
+def test_levels_that_a_script_sets_without_a_window_wait_for_recolor(looks, monkeypatch):
+    target = bumpy()
+    bake(target)
+    before, context = greys(target), SimpleNamespace(scene=bpy.context.scene)
+    monkeypatch.setattr(recolor, "bpy", SimpleNamespace(context=context, types=bpy.types))
+    looks.contrast = 0.5
+    assert viewports.wanted(context) == viewports.PLAIN
+    assert greys(target) == pytest.approx(before)

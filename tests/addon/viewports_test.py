@@ -120,7 +120,7 @@ def test_what_earlier_versions_kept_of_each_viewport_is_restored():
     assert screen.lights() == ["STUDIO"] * 3
 
 
-def test_undo_of_something_else_leaves_materials_that_are_shown():
+def test_undo_of_something_else_leaves_materials_that_are_shown(registered):
     target = add_sphere("ball")
     material = bpy.data.materials.new("worn")
     material.use_nodes = True
@@ -133,7 +133,7 @@ def test_undo_of_something_else_leaves_materials_that_are_shown():
     assert not viewports.shows_ours(window)
 
 
-def test_colors_in_another_scene_count_in_the_window_that_shows_it():
+def test_colors_in_another_scene_count_in_the_window_that_shows_it(registered):
     scene = bpy.data.scenes.new("other")
     target = add_sphere("ball")
     bpy.context.collection.objects.unlink(target)

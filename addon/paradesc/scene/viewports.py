@@ -43,7 +43,7 @@ def formers(screen: bpy.types.Screen) -> dict[str, Look]:
 
 def wanted(context: bpy.types.Context) -> Look:
     """How a viewport shows attributes, which depends on the mode of the active object."""
-    active = context.active_object
+    active = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
     return LIT if active is not None and active.mode == "SCULPT" else PLAIN
 
 

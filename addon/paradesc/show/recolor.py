@@ -114,7 +114,7 @@ def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -
 
 def obstacle(context: bpy.types.Context) -> str:
     """One sentence about why there is nothing to show on the active object, or ""."""
-    target = context.active_object
+    target = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
     if target is None or target.type != "MESH":
         return "Select a mesh object first"
     if not baked_names(target.data):
