@@ -1,9 +1,9 @@
-"""Builds the node groups: what each turns into what stands in its description."""
+"""Builds the node groups; each function says what its group does."""
 
 import bpy
 from graph import Graph
 
-from paradesc.scene.node_groups import MARK
+from paradesc.scene import node_groups
 
 # Scene-linear.
 DIRT, BARE, CLAY, WORN = (0.10, 0.075, 0.055, 1), (0.32, 0.31, 0.30, 1), (0.35, 0.20, 0.11, 1), (0.78, 0.62, 0.46, 1)
@@ -12,9 +12,7 @@ WHITE = (0.8, 0.8, 0.8, 1)
 
 def new_group(name: str, kind: str = "ShaderNodeTree") -> Graph:
     """An empty group that the add-on finds by its mark."""
-    tree = bpy.data.node_groups.new(name, kind)
-    tree[MARK] = name
-    return Graph(tree)
+    return Graph(node_groups.new_group(kind, name))
 
 
 # ---- Wear
@@ -130,7 +128,7 @@ def cavity_of(name: str, attributes: tuple[str, ...]) -> bpy.types.NodeTree:
     color = g.add_input("Base Color", "color", CLAY)
     colors = [g.add_input("Cavity Color", "color", (0.025, 0.014, 0.008, 1)), g.add_input("Edge Color", "color", WORN)]
     strengths = [g.add_input(f"{word} Strength", "float", 1.0) for word in ("Cavity", "Edge")]
-    # Where the masks begin and where they are full, in curvature times radius: most of a surface is a little convex.
+    # The masks begin and are full at these values of curvature times radius: most of a surface is a little convex.
     ends = [
         [g.add_input(f"{word} {end}", "float", value) for end, value in (("Begin", begin), ("End", full))]
         for word, begin, full in (("Cavity", 0.03, 0.4), ("Edge", 0.2, 0.7))
@@ -204,7 +202,7 @@ def reading(kind: str) -> tuple[Graph, bpy.types.NodeSocket]:
 
 
 def share(g: Graph, value: bpy.types.NodeSocket, begin: float) -> bpy.types.NodeSocket:
-    """Where the value lies between two inputs of the group."""
+    """The place of the value between two inputs of the group."""
     ends = [g.add_input(f"From {end}", "float", at, "", 1e9, -1e9) for end, at in (("Min", begin), ("Max", 1.0))]
     return g.ramp(value, *ends)
 

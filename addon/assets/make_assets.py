@@ -20,7 +20,7 @@ import looks  # noqa: E402
 OUTPUT = FOLDER.parent / "paradesc" / "assets" / "paradesc.blend"
 CATALOG = "6d8f0a52-3b0e-4c47-9a43-0f6a5d1c7e21"  # as blender_assets.cats.txt beside the file has it
 MASKS = "Reads the masks Cavity and Edge Wear, which Paradesc bakes."
-# What makes each asset, its description and its tags.
+# The function that makes each asset, its description and its tags.
 ASSETS = (
     (groups.wear, "Dirt in hollows and worn edges, broken up by noise, on any color.", ("wear", "dirt", "edges")),
     (groups.curvature, f"Convexity and concavity as shader inputs. {MASKS}", ("curvature", "convexity", "cavity")),

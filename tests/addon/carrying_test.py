@@ -432,6 +432,8 @@ def test_a_copy_on_request_has_all_masks_is_selected_and_hides_the_original():
     bake("cavity")
     expected = {name: shown(target, name) for name in carrying.carried_names(target)}
     target.location.x = 3.0
+    target.data.materials.append(bpy.data.materials.new("of the mesh"))
+    target.material_slots[0].link, target.material_slots[0].material = "OBJECT", bpy.data.materials.new("own")
     assert bpy.ops.paradesc.make_result_object() == {"FINISHED"}
     copy = bpy.context.view_layer.objects.active
     assert copy.name == "box_paradesc"
@@ -439,6 +441,7 @@ def test_a_copy_on_request_has_all_masks_is_selected_and_hides_the_original():
     assert (target.hide_get(), target.hide_render, copy.hide_get(), copy.hide_render) == (True, True, False, False)
     assert len(copy.modifiers) == 0
     assert copy.location.x == 3.0
+    assert copy.active_material.name == "own"
     for name, values in expected.items():
         np.testing.assert_array_equal(attribute_values(copy.data, name), values)
     assert recolor.baked_names(copy.data) == ["cavity", "convexity"]

@@ -107,9 +107,7 @@ def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     assert presets.chosen_masks(group) == ["cavity", "edge_wear"]  # of a new scene
     for name in presets.MASKS:
         presets.apply(group, name)
-        assert presets.chosen_mask(group) == name
-    group.descriptors = {"cavity", "convexity"}
-    assert presets.chosen_mask(group) == ""
+        assert presets.chosen_masks(group) == [name]
     group.descriptors = {"cavity", "shape_index"}
     assert presets.chosen_masks(group) == []
 
@@ -319,3 +317,25 @@ def test_a_new_file_keeps_its_own(tmp_path):
     scene = bpy.context.scene
     assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity", "convexity"})
     assert scene.paradesc_animation.source == "auto"
+
+
+def test_a_typed_radius_stays_when_the_bake_is_redone_with_something_else_changed(monkey):
+    settings = bpy.context.scene.paradesc
+    assert settings.radius_percent != pytest.approx(5)
+    # Redo takes the bake back, so the scene has the radius of before, and the operator what it showed.
+    assert bpy.ops.paradesc.bake(fit="typed", radius=5, shown_radius=5, invert=True) == {"FINISHED"}
+    assert (settings.radius_fit, settings.radius_percent) == ("typed", pytest.approx(5))
+
+
+def test_a_fitted_radius_that_is_shown_is_fitted_again_when_the_bake_is_redone(monkey):
+    settings = bpy.context.scene.paradesc
+    assert bpy.ops.paradesc.bake(fit="broad", radius=5, shown_radius=5, invert=True) == {"FINISHED"}
+    assert settings.radius_fit == "broad"
+
+
+@pytest.mark.parametrize("operator", ["bake", "bake_image"])
+def test_a_position_that_is_no_number_is_named(monkey, operator):
+    monkey.modifiers.clear()
+    monkey.data.vertices[7].co.z = np.nan
+    with pytest.raises(RuntimeError, match="The z of vertex 7 is nan"):
+        getattr(bpy.ops.paradesc, operator)()

@@ -8,6 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from image_operator_test import folder, pngs_in, settings  # noqa: E402, F401
+from mathutils import Matrix  # noqa: E402
 from udim_operator_test import SIX, in_tiles  # noqa: E402
 
 from paradesc.bake import image_viewing  # noqa: E402
@@ -98,6 +99,12 @@ def test_what_is_drawn_lies_where_the_mesh_as_it_is_shown_has_it(folder):  # noq
     along = np.linalg.norm(places - np.array(mesh.uv_layers["UVMap"].data[7].uv), axis=1)
     np.testing.assert_allclose(points[np.argmin(along)], mesh.vertices[corner.vertex_index].co, atol=1e-6)
     assert image_preview.triangles_of(mesh, "no such map")[0].shape == (0, 3)
+
+
+@pytest.mark.parametrize("scale", [(-2, 1, 1), (1, 1, -2), (-2, -1, -1)])
+def test_a_texture_is_drawn_nearer_to_the_eye_on_mirrored_objects_too(scale):
+    matrix = Matrix.LocRotScale((1, 2, 3), None, scale)
+    assert image_preview.largest_scale(matrix) == pytest.approx(2, rel=1e-6)  # of 32-bit floats
 
 
 def test_tiles_are_not_shown_and_one_sentence_says_so(folder):  # noqa: F811

@@ -125,6 +125,16 @@ def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(loo
     assert spans()[0] == spans()[1]
 
 
+def test_meshes_with_several_fitted_radii_have_one_range_for_each_descriptor(looks):
+    settings = bpy.context.scene.paradesc
+    settings.radius_fit, settings.more_radii, looks.same_scale = "broad", "7", True
+    one, other = bumpy("one"), add_sphere("other", steps=30)
+    bake(one, other)
+    ranges = {**record.read(one.data)["ranges"], **record.read(other.data)["ranges"]}
+    assert len(ranges) == 3  # the fitted radius of each mesh, and the one that both have
+    assert len(set(map(tuple, ranges.values()))) == 1
+
+
 def test_a_bake_tells_how_much_of_a_mask_is_black_or_white(looks):
     target = bumpy()
     bake(target)
@@ -150,3 +160,30 @@ def test_white_goes_by_area_not_by_the_number_of_vertices():
     areas = np.concatenate([np.full(900, 1e-5), np.full(100, 1.0)])
     assert color_maps.strong(values, areas, 0.0, 1.0) == pytest.approx(0.3)
     assert color_maps.strong(values, None, 0.0, 1.0) == pytest.approx(0.9)
+
+
+def test_a_range_of_one_side_acts_at_once_and_is_as_a_bake_makes_it(looks):
+    target = bumpy()
+    bpy.context.scene.paradesc.descriptors = {"mean_curvature"}
+    select(target)
+    shown = []
+    for symmetric in (True, False, True):
+        looks.symmetric = symmetric
+        shown.append(record.read(target.data).get("ranges", {}).get("mean_curvature"))
+        bpy.ops.paradesc.bake()
+        baked = record.read(target.data)["ranges"]["mean_curvature"]
+        assert shown[-1] in (None, pytest.approx(baked))
+    assert shown[2][0] < shown[1][0]
+    assert shown[2][0] == pytest.approx(-shown[2][1])
+
+
+def test_resetting_research_settings_recolors_what_is_shown(looks):
+    target = bumpy()
+    bake(target)
+    usual = greys(target)
+    looks.span, looks.percentile = "percentile", 20.0
+    asked = greys(target)
+    assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
+    assert not np.allclose(greys(target), asked)
+    looks.span = "auto"
+    assert greys(target) == pytest.approx(usual)

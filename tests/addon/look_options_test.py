@@ -8,7 +8,7 @@ import pytest
 
 from paradesc.commands.look_options import add_look_options, look_of
 from paradesc.core import legend
-from paradesc.core.color_maps import Look, ValueRange
+from paradesc.core.color_maps import Levels, Look, ValueRange
 
 QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software")
 
@@ -83,6 +83,8 @@ def test_legend_counts_from_end_to_end_through_the_neutral_value():
 
 def test_legend_of_a_mask_goes_from_0_to_1_and_says_which_value_is_1():
     assert legend.ticks(ValueRange(0, 0.596, False, map_name="grey")) == [(0.0, "0"), (0.5, "1 = 0.6"), (1.0, "1")]
+    inverted = ValueRange(0, 0.596, False, map_name="grey", levels=Levels(invert=True))
+    assert legend.ticks(inverted) == [(0.0, "1"), (0.5, "0 = 0.6"), (1.0, "0")]
     assert legend.ticks(ValueRange(0, 1, False, map_name="grey")) == [(0.0, "0"), (1.0, "1")]
     assert len(legend.ticks(ValueRange(0.2, 1, False, map_name="grey"))) == 3
 

@@ -127,6 +127,14 @@ def test_mesh_without_faces_is_one_sentence():
         mesh_io.read_object(bpy.data.objects.new("cloud", mesh), corner_normals=False)
 
 
+def test_a_face_of_two_corners_counts_as_no_surface():
+    empty_scene()
+    mesh = bpy.data.meshes.new("import")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1), (2, 2, 2)], [], [(3, 4), (0, 1, 2), (3, 4)])
+    _, triangles = mesh_io.surface_of(mesh)
+    assert triangles.tolist() == [[0, 1, 2]]
+
+
 def test_edit_mode_gives_the_mesh_as_edited_so_far(sphere_object):
     import bmesh
 

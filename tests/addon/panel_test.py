@@ -191,6 +191,7 @@ def test_every_setting_is_in_the_panel(monkeypatch):
     show_research(monkeypatch)
     settings = bpy.context.scene.paradesc
     settings.descriptors, settings.write_image, settings.write_buffers = {"harris"}, True, True
+    settings.backend = "auto"
     add_sphere().shape_key_add(name="Basis")
     shown = set(drawn_everything()["prop"])
     for unit in ("absolute", "mean-edge"):

@@ -399,6 +399,17 @@ def test_what_is_no_mesh_is_converted_in_place_and_can_be_baked(kind):
     assert "mean_curvature" in converted.data.attributes
 
 
+@pytest.mark.parametrize("kind", ["FONT", "CURVE"])
+def test_objects_that_share_the_data_of_what_is_converted_stay_as_they_are(kind):
+    made = of_kind(kind, "thing")
+    other = bpy.data.objects.new("other", made.data)
+    bpy.context.collection.objects.link(other)
+    bpy.context.view_layer.update()
+    assert bpy.ops.paradesc.convert_to_mesh() == {"FINISHED"}
+    assert (made.type, other.type) == ("MESH", kind)
+    assert len(made.data.polygons) > 0
+
+
 def test_meshes_stay_selected_and_active_when_others_are_converted():
     (sphere,) = add_spheres("ball")
     of_kind("FONT", "text")

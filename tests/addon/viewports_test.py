@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
-pytest.importorskip("bpy", reason="needs Blender")
+bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene import viewports  # noqa: E402
+from paradesc.scene import node_groups, record, viewports  # noqa: E402
+from scene import add_sphere  # noqa: E402
 
 
 class Screen(dict):
@@ -117,3 +118,43 @@ def test_what_earlier_versions_kept_of_each_viewport_is_restored():
     viewports.restore(screen)
     assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
     assert screen.lights() == ["STUDIO"] * 3
+
+
+def test_undo_of_something_else_leaves_materials_that_are_shown():
+    target = add_sphere("ball")
+    material = bpy.data.materials.new("worn")
+    material.use_nodes = True
+    target.data.materials.append(material)
+    node = material.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = node_groups.new_group("ShaderNodeTree", "Paradesc Wear")
+    window = SimpleNamespace(view_layer=bpy.context.view_layer, screen={viewports.SOLID_BEFORE: [0]})
+    assert viewports.shows_ours(window)
+    material.node_tree.nodes.remove(node)
+    assert not viewports.shows_ours(window)
+
+
+def test_colors_in_another_scene_count_in_the_window_that_shows_it():
+    scene = bpy.data.scenes.new("other")
+    target = add_sphere("ball")
+    bpy.context.collection.objects.unlink(target)
+    scene.collection.objects.link(target)
+    scene.view_layers[0].update()
+    target.data.attributes.new("cavity_color", "FLOAT_COLOR", "POINT")
+    record.write(target.data, {}, {}, {}, ["cavity_color"])
+    target.data.color_attributes.active_color = target.data.color_attributes["cavity_color"]
+    assert viewports.shows_ours(SimpleNamespace(view_layer=scene.view_layers[0], screen={}))
+    assert not viewports.shows_ours(SimpleNamespace(view_layer=bpy.context.view_layer, screen={}))
+
+
+def test_every_viewport_that_showed_materials_for_a_moment_is_solid_again(monkeypatch):
+    screen = Screen()
+    shading = [shading for _, shading in viewports.shadings(screen)]
+    shading[0].type = "RENDERED"
+    monkeypatch.setattr(viewports, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    monkeypatch.setattr(viewports.preferences, "shows_results", lambda: True)
+    monkeypatch.setattr(viewports.image_preview, "hide", lambda: None)
+    viewports.reveal_materials(SimpleNamespace(screen=screen))
+    shading[0].type = "SOLID"  # somebody opens another one, and wear is set anew
+    viewports.reveal_materials(SimpleNamespace(screen=screen))
+    viewports.restore(screen)
+    assert [one.type for one in shading] == ["SOLID"] * 3

@@ -169,6 +169,32 @@ def test_a_material_without_nodes_has_none_again_afterwards(target):
     assert tuple(node.inputs["Base Color"].default_value) == PAINT
     bpy.ops.paradesc.remove_wear()
     assert not material.use_nodes
+    material.diffuse_color = (*PAINT[1:], 1.0)
+    add_wear()
+    assert tuple(wear_nodes(material)[0].inputs["Base Color"].default_value) == (*PAINT[1:], 1.0)
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="every material has nodes since Blender 5")
+def test_nodes_that_are_switched_off_keep_their_values_and_are_switched_off_again(target):
+    material = user_material(target=target)
+    before, material.use_nodes = everything_in(material), False
+    add_wear()
+    assert wear_nodes(material)[0].inputs["Roughness"].default_value == 0.25
+    bpy.ops.paradesc.remove_wear()
+    assert everything_in(material) == before
+    assert not material.use_nodes
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="every material has nodes since Blender 5")
+def test_nodes_that_somebody_has_added_since_still_show(target):
+    material = bpy.data.materials.new("plain")
+    target.data.materials.append(material)
+    add_wear()
+    image = material.node_tree.nodes.new("ShaderNodeTexImage")
+    material.node_tree.links.new(image.outputs["Color"], wear_nodes(material)[0].inputs["Base Color"])
+    bpy.ops.paradesc.remove_wear()
+    assert shader_of(material).inputs["Base Color"].links[0].from_node == image
+    assert material.use_nodes
 
 
 # ---- Without a material
@@ -371,9 +397,22 @@ def test_beside_a_linked_object_the_others_wear(tmp_path):
     assert not wear_nodes(linked.active_material)
 
 
-def test_a_material_without_a_principled_shader_is_one_sentence_and_bakes_nothing(target):
+def test_a_look_in_another_file_is_not_given_to_objects_of_this_one(target, tmp_path):
+    add_wear()
+    path = tmp_path / "library.blend"
+    bpy.data.libraries.write(str(path), {target.active_material})
+    bpy.ops.paradesc.remove_wear()
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.materials = ["Painted Metal"]
+    add_wear()
+    assert target.active_material.library is None
+
+
+@pytest.mark.parametrize("on", [True, False])
+def test_a_material_without_a_principled_shader_is_one_sentence_and_bakes_nothing(target, on):
     material = user_material(target=target)
     material.node_tree.nodes.remove(shader_of(material))
+    material.use_nodes = on
     before = everything_in(material)
     with pytest.raises(RuntimeError, match="no Principled BSDF"):
         bpy.ops.paradesc.add_wear()

@@ -58,7 +58,7 @@ def draw_hero(path: str) -> None:
     for item, look in zip(made, ("PAINTED_METAL", "OLD_STONE", "PAINTED_METAL", "AS_IS"), strict=True):
         wear(item, look)
     tiles.append(studio.tile(made, size, view, SAMPLES, lit=True))
-    studio.save(studio.sheet(tiles, ("Plain paint", "The same, after one click: Add Wear to Material"), 2), path)
+    studio.save(studio.sheet(tiles, ("Plain paint", "After one click each: Add Wear to Material"), 2), path)
 
 
 def group_of_assets() -> list[bpy.types.Object]:
@@ -71,14 +71,14 @@ def group_of_assets() -> list[bpy.types.Object]:
         studio.paint(item, color, roughness)
     place(car, (-0.42, -0.75, 0), 1.05, -62)
     place(stone, (-0.95, 0.75, 0.0), 1.0, 10)
-    place(crate, (0.95, 0.1, 0.523), 1.0, 24)
+    place(crate, (0.95, 0.1, 0), 1.0, 24)
     place(creature, (0.95, 0.1, 1.04), 0.46, 2)
     return [car, stone, crate, creature]
 
 
 def place(item: bpy.types.Object, where: tuple, scale: float, turn: float) -> None:
-    """Stands the object there, scaled and turned around z; its lowest point counts."""
-    low = studio.corners_of([item])[:, 2].min() if item.name.startswith("creature") else 0.0
+    """Stands a new object there by its lowest point, scaled and turned around z."""
+    low = float(studio.corners_of([item])[:, 2].min())
     item.location, item.scale = (where[0], where[1], where[2] - scale * low), (scale,) * 3
     item.rotation_euler.z = math.radians(turn)
     bpy.context.view_layer.update()
@@ -287,7 +287,7 @@ def pixels_of(image: bpy.types.Image) -> Image.Image:
 
 
 def draw_textures(path: str) -> None:
-    """What Bake to Image leaves of the gear: edges, cavity, and three masks in one image."""
+    """The images that Bake to Image leaves of the gear: edges, cavity, and three masks in one."""
     studio.clear()
     item, tiles = models.gear(), []
     models.unwrap(item)

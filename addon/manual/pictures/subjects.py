@@ -1,4 +1,4 @@
-"""What pictures of windows and of the command line show, and how the command line draws one."""
+"""The subjects of pictures of windows and of the command line, and how the command line draws one."""
 
 import math
 import sys

@@ -26,7 +26,7 @@ Place = tuple[bpy.types.Scene, bpy.types.ViewLayer]
 
 
 class State:
-    """What lasts between two events. Cleared when a file is loaded."""
+    """The state that lasts between two events. It is cleared when a file is loaded."""
 
     def __init__(self) -> None:
         self.sessions: dict[object, live.Session | playback.Player] = {}  # by the object's identity
@@ -176,12 +176,12 @@ def start_timer(function: Callable[[], float | None], seconds: float) -> None:
 
 
 def session_at(target: bpy.types.Object) -> live.Session | playback.Player | None:
-    """What the object keeps so far."""
+    """The session that the object has so far, if any."""
     return STATE.sessions.get(identity(target))
 
 
 def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
-    """What the object keeps, by its mode."""
+    """The session of the object, another one if its mode has changed."""
     wanted, found = KINDS[target.paradesc_live.mode], session_at(target)
     if not isinstance(found, wanted):
         if found is not None:

@@ -23,7 +23,7 @@ APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """What is measured now. The mesh exists only as long as shown() is open."""
+    """The surface that is measured now. The mesh exists only as long as shown() is open."""
 
     mesh: bpy.types.Mesh  # whose faces are measured
     generated: bool  # they are not those of the object's own mesh

@@ -5,10 +5,9 @@ from functools import partial
 from pathlib import Path
 
 import bpy
-import numpy as np
 
-from ..bridge import Descriptor, ParadescError, abi, components
-from ..core import color_maps, job
+from ..bridge import ParadescError, abi
+from ..core import job
 from ..core.threads import Worker
 from ..files import bake_files, tile_names
 from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
@@ -86,7 +85,7 @@ class Batch(OneByOne):
         """Writes the results of every mesh in the scene's colors; object mode lasts that long."""
         self.look = looks.scene_look(context.scene)
         if context.scene.paradesc_looks.same_scale:
-            self.look = color_maps.with_one_scale(self.look, together([piece.results for piece in self.written]))
+            self.look = job.with_one_scale(self.look, [piece.results for piece in self.written])
         if self.written:
             properties.show_radius(context.scene.paradesc, self.written[0].results.settings)
         with modes.object_mode():
@@ -110,15 +109,6 @@ class Batch(OneByOne):
     def written(self) -> list[MeshBake]:
         """The meshes whose results are in place."""
         return [piece for piece in self.pieces if piece.results is not None]
-
-
-def together(found: list[job.Results]) -> list[tuple[Descriptor, float, list[np.ndarray]]]:
-    """The values of several meshes by descriptor, with the first one's radius."""
-    names = [name for name in found[0].values if components(name) == 1] if found else []
-    return [
-        (job.registry_row(name), found[0].radius_of(name), [results.values[name] for results in found])
-        for name in names
-    ]
 
 
 # ---- Files

@@ -38,7 +38,8 @@ class RadiusOption:
 
     def take_radius(self, group: bpy.types.PropertyGroup) -> None:
         """Sets the panel's radius to the one that was given: by number, else by size."""
-        if self.radius > 0 and not math.isclose(self.radius, self.shown_radius, rel_tol=1e-6):
+        given = self.fit == "typed" or not math.isclose(self.radius, self.shown_radius, rel_tol=1e-6)
+        if self.radius > 0 and given:
             group.radius_unit, group.radius_percent = "diagonal", self.radius
         elif self.fit != PANEL[0]:
             group.radius_fit = self.fit

@@ -92,9 +92,9 @@ class ImageBatch(OneByOne):
     def step(self, wait: bool = False) -> None:
         """Goes on with the current mesh; after the last one of the first round it begins to draw."""
         super().step(wait)
-        computed = [piece.computed for piece in self.pieces if piece.computed is not None]
+        computed = [results for piece in self.pieces if piece.computed is not None for results in piece.computed.found]
         if self.done and not self.cancelled and self.round < self.rounds and computed:
-            self.choice = replace(self.choice, look=image_files.with_one_scale(self.choice.look, computed))
+            self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, computed))
             self.round, self.current = self.rounds, 0
 
     @property

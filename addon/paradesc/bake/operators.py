@@ -197,6 +197,9 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
 
 def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
     """Converts these objects to meshes; of a family of metaballs one object remains, with all of it."""
+    for item in chosen:  # objects that share its data stay as they are; Blender 4.2 would empty shared texts besides
+        if item.type != "META" and item.data.users > 1:
+            item.data = item.data.copy()
     objects = context.view_layer.objects
     active, names = objects.active, [item.name for item in chosen]
     others = [item for item in context.selected_objects if item not in chosen]

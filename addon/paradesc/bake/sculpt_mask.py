@@ -78,9 +78,10 @@ def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> jo
 
 
 def write(piece: MaskPiece, invert: bool) -> None:
-    """Writes one mesh's mask."""
-    weights = np.nan_to_num(next(iter(piece.results.values.values())), nan=0.0)
-    weights = np.clip(weights, 0, 1)
+    """Writes one mesh's mask, over the range that a bake would show from black to white."""
+    ((name, values),) = piece.results.values.items()
+    shown = piece.results.shown(name)
+    weights = shown.shares(np.nan_to_num(values, nan=shown.minimum)).astype(np.float32)
     sculpt_masks.write_shown(piece.target(), 1 - weights if invert else weights)
 
 

@@ -113,6 +113,11 @@ class Look:
         """The range asked for, if there is one."""
         return self.ranges.get(descriptor.name) or self.ranges.get("")
 
+    def is_automatic(self, diverging: bool) -> bool:
+        """Whether no range is asked for, nor for diverging values another middle or only the side that they have."""
+        is_usual = not diverging or (self.symmetric and self.neutral is None)
+        return is_usual and not self.ranges and self.percentile is None
+
 
 def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
     """Scene-linear to display values, elementwise in [0, 1]."""

@@ -23,8 +23,8 @@ FITTED = "fitted"
 
 def fitted(settings: Settings, arrays: MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS) -> Settings:
     """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
-    if settings.radius_fit not in advice.SIZES:
-        return settings
+    if settings.radius_fit not in advice.SIZES or not np.isfinite(arrays.positions).all():
+        return settings  # the library refuses the mesh, and names the position that is no number
     radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit, largest)
     unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
     return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import advice, contexts, fitting, mesh_faults
+from . import advice, color_maps, contexts, fitting, mesh_faults
 from .color_maps import MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -217,6 +217,21 @@ def registry_name(name: str) -> str:
         name = NUMBER.sub("", name).removesuffix(CHANGE)
     stem, mark, _ = name.rpartition("_r")
     return stem if mark and name not in known and stem in known else name
+
+
+def with_one_scale(look: Look, found: list[Results]) -> Look:
+    """The look with the range that all values of a descriptor have together, whatever their radii are."""
+    every: dict[str, list[tuple[Results, str]]] = {}
+    for results in found:
+        for name, values in results.values.items():
+            if values.ndim == 1:
+                every.setdefault(registry_name(name), []).append((results, name))
+    baked = []
+    for descriptor, own in every.items():
+        first, name = own[0]
+        values = [results.telling(name) for results, name in own]
+        baked.append((registry_row(descriptor), first.radius_of(name), values))
+    return color_maps.with_one_scale(look, baked)
 
 
 def registry_row(name: str) -> bridge.Descriptor:

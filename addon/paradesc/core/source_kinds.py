@@ -7,7 +7,7 @@ SOURCES = (
     (
         EVALUATED,
         "With Modifiers",
-        "What all modifiers make of it; results go to the original vertices where these remain, else to a copy",
+        "What all modifiers make of it; all of its vertices get values, and so do the object's own",
     ),
 )
 NAMES = tuple(name for name, _, _ in SOURCES)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from ..core import color_maps, fitting, job, texel_centers, texel_tiles, transfer, udim
+from ..core import fitting, job, texel_centers, texel_tiles, transfer, udim
 from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look
 from ..core.threads import go_on
@@ -222,22 +222,6 @@ def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = 
     if texel_centers.uv_area(made_of.arrays) > STACKED_SHARE * covered:
         results.warnings.append(maps.STACKED)
     return Textures(results, [texture for row in made.values() for texture in row])
-
-
-def with_one_scale(look: Look, baked: list[Computed]) -> Look:
-    """The look with the ranges that all of these together have."""
-    every: dict[str, list[job.Results]] = {}
-    for results in (results for one in baked for results in one.found):
-        for name in results.values:
-            if results.values[name].ndim == 1:
-                every.setdefault(name, []).append(results)
-    return color_maps.with_one_scale(
-        look,
-        [
-            (job.registry_row(name), found[0].radius_of(name), [results.telling(name) for results in found])
-            for name, found in every.items()
-        ],
-    )
 
 
 def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:

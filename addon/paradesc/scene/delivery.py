@@ -132,5 +132,8 @@ def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
     mesh.name = copy.name
     for collection in target.users_collection:
         collection.objects.link(copy)
+    for own, slot in zip(target.material_slots, copy.material_slots, strict=False):
+        if own.link == "OBJECT":  # the mesh has none of these
+            slot.link, slot.material = own.link, own.material
     copy.matrix_world = target.matrix_world
     return copy

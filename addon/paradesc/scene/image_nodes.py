@@ -145,8 +145,7 @@ def link_masks(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture)
     """Links the masks of a texture to inputs of our groups that have none yet, or have it from vertices only."""
     inputs = [
         (socket, TAKEN[socket.name])
-        for group in tree.nodes
-        if getattr(group, "node_tree", None) is not None and node_groups.MARK in group.node_tree
+        for group in node_groups.nodes_of_ours(tree)
         for socket in group.inputs
         if TAKEN.get(socket.name) in texture.holds
     ]

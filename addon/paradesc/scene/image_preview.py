@@ -153,7 +153,7 @@ def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.ty
     if not own.batch:
         return
     view, matrix = context.region_data.view_matrix, target.matrix_world
-    size = own.size * max(matrix.to_scale())
+    size = own.size * largest_scale(matrix)
     nearer = min(own.nearer, 0.5 * size) + NEARER * size
     if context.region_data.is_perspective:  # toward the eye, so that nothing moves on the screen
         moved = Matrix.Scale(1 - nearer / max((view @ matrix).translation.length, size, nearer), 4)
@@ -169,6 +169,11 @@ def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.ty
         own.batch.draw(shader)
     gpu.state.depth_mask_set(False)
     gpu.state.depth_test_set("NONE")
+
+
+def largest_scale(matrix: Matrix) -> float:
+    """By how much an object is larger than its mesh; Blender gives negative numbers where it is mirrored."""
+    return max(map(abs, matrix.to_scale()))
 
 
 def prepare(context: bpy.types.Context, target: bpy.types.Object, own: Shown) -> None:

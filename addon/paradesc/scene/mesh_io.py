@@ -300,7 +300,7 @@ def most_telling(seen: dict[str, dict[str, float]]) -> str:
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
     """The range of a bake for recoloring, if it was not asked for."""
-    return {} if look.ranges or look.percentile is not None else {"automatic": [shown.minimum, shown.maximum]}
+    return {"automatic": [shown.minimum, shown.maximum]} if look.is_automatic(shown.diverging) else {}
 
 
 # What is nearly black and nearly white, as shares of the color map; so many faces tell how much of the mesh is.
@@ -310,8 +310,9 @@ DARK, BRIGHT, DARKEST, ENOUGH_FACES = 0.05, 0.95, 0.8, 100_000
 
 def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """(vertex_count, 3) float32 positions, and (n, 3) int32 first three vertices of enough faces."""
-    starts = read_array(mesh.polygons, "loop_start", np.int32)[:: 1 + len(mesh.polygons) // ENOUGH_FACES]
-    return read_positions(mesh), read_corner_vertices(mesh)[starts[:, None] + np.arange(3)]
+    corners, starts = read_corner_vertices(mesh), read_array(mesh.polygons, "loop_start", np.int32)
+    starts = starts[np.diff(starts, append=len(corners)) >= 3]  # files may have faces of two corners
+    return read_positions(mesh), corners[starts[:: 1 + len(starts) // ENOUGH_FACES, None] + np.arange(3)]
 
 
 def extremes(

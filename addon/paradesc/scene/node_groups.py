@@ -14,6 +14,12 @@ def new_group(kind: str, name: str) -> bpy.types.NodeTree:
     return group
 
 
+def nodes_of_ours(tree: bpy.types.NodeTree | None) -> list[bpy.types.Node]:
+    """The nodes of a tree that have a group of ours."""
+    nodes = [] if tree is None else tree.nodes
+    return [node for node in nodes if getattr(node, "node_tree", None) is not None and MARK in node.node_tree]
+
+
 def add_socket(group: bpy.types.NodeTree, name: str, kind: str, *, output: bool = False) -> None:
     """Adds an input or output to a group."""
     if hasattr(group, "interface"):

@@ -9,7 +9,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..settings import hooks, preferences
-from . import image_preview, record
+from . import image_preview, node_groups, record
 
 # A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
 # saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
@@ -99,11 +99,13 @@ def reveal_materials(context: bpy.types.Context) -> None:
     """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
-    solid = [(number, shading) for number, shading in shadings(context.screen) if shading.type == "SOLID"]
-    for _, shading in solid:
-        shading.type = "MATERIAL"
-    if solid:
-        context.screen[SOLID_BEFORE] = [int(number) for number, _ in solid]
+    numbers = set(context.screen.get(SOLID_BEFORE, []))
+    for number, shading in shadings(context.screen):
+        if shading.type == "SOLID":
+            numbers.add(int(number))
+            shading.type = "MATERIAL"
+    if numbers:
+        context.screen[SOLID_BEFORE] = sorted(numbers)
 
 
 def can_restore(context: bpy.types.Context) -> bool:
@@ -134,10 +136,14 @@ def yield_to_mask(context: bpy.types.Context) -> None:
 
 
 def shows_ours(window: bpy.types.Window) -> bool:
-    """Whether any visible mesh of a window has colors of a bake as its active ones."""
-    meshes = {item.data for item in window.view_layer.objects if item.type == "MESH" and item.visible_get()}
-    active = ((mesh, mesh.color_attributes.active_color) for mesh in meshes)
-    return any(color is not None and color.name in record.attributes_of(mesh) for mesh, color in active)
+    """Whether any visible mesh of a window has colors of a bake as its active ones, or a material that was shown."""
+    layer = window.view_layer  # not that of the context, where another window shows another scene
+    visible = [item for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)]
+    active = ((item.data, item.data.color_attributes.active_color) for item in visible)
+    if any(color is not None and color.name in record.attributes_of(mesh) for mesh, color in active):
+        return True
+    materials = {slot.material for item in visible for slot in item.material_slots if slot.material is not None}
+    return SOLID_BEFORE in window.screen and any(node_groups.nodes_of_ours(one.node_tree) for one in materials)
 
 
 @persistent

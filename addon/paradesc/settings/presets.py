@@ -30,12 +30,6 @@ def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
     return masks_of(group.descriptors)
 
 
-def chosen_mask(group: bpy.types.PropertyGroup) -> str:
-    """The only mask that is chosen, or ""."""
-    found = chosen_masks(group)
-    return found[0] if len(found) == 1 else ""
-
-
 def members() -> list[str]:
     """Names of the settings that a preset sets, without colors and images."""
     return list(preset_rules.setting_members())
@@ -135,7 +129,7 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the mask is for, and how to bake several."""
+        """Says what the mask is for, and how to bake several."""
         return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
 
     def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:

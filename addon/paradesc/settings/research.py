@@ -78,8 +78,10 @@ class PARADESC_OT_reset_research(bpy.types.Operator):
     bl_options = {"INTERNAL", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Resets those that differ."""
+        """Resets those that differ, and tells what follows them."""
         for group, name in changed(context.scene):
+            if name not in STORED:
+                setattr(group, name, group.bl_rna.properties[name].default)
             group.property_unset(name)
         return {"FINISHED"}
 

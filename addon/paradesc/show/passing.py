@@ -6,7 +6,7 @@ import bpy
 
 from ..scene.node_groups import MARK
 
-# What goes through a node: names of the shader's inputs and of the node's outputs; the node's inputs are named alike.
+# The values that go through a node: names of the shader's inputs, and of the node's inputs, with those of its outputs.
 Passed = dict[str, str]
 
 
@@ -45,7 +45,7 @@ def passes(node: bpy.types.Node, passed: Passed) -> bool:
 
 
 def there(node: bpy.types.Node, passed: Passed) -> list[tuple[str, str]]:
-    """What a node still lets through; somebody may have taken sockets from its group."""
+    """The values that a node still lets through; somebody may have taken sockets from its group."""
     return [(name, output) for name, output in passed.items() if name in node.inputs and output in node.outputs]
 
 

@@ -14,7 +14,7 @@ from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, 
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
-# What a record says of values, which other colors do not change.
+# Other colors do not change these members of what a record says of values.
 KEPT = ("radius", "unit", "automatic")
 
 
@@ -81,7 +81,7 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     drawn = stored.get("drawn", {}).get(name, {})
     radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
     found = drawn.get("automatic")
-    if found and not look.ranges and look.percentile is None and look.neutral is None:
+    if found and look.is_automatic(registry_row(name).is_signed):
         look = replace(look, ranges={registry_name(name): tuple(found)})
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)

@@ -20,7 +20,7 @@ GROUP = "Paradesc Wear"
 PASSED = {"Base Color": "Color", "Roughness": "Roughness", "Metallic": "Metallic"}
 # Inputs of the group that masks are linked to, and the descriptors that these are.
 MASKS = {"Cavity": "cavity", "Edges": "convexity"}
-# Of the group's inputs, those that come from the material and the object; all others make the look.
+# The group's inputs that come from the material and the object; all others make the look.
 GIVEN = {*PASSED, *MASKS, "Proportions"}
 AS_IS = "AS_IS"
 # The materials of the assets, by the look that they have.
@@ -29,8 +29,8 @@ LOOKS = {"PAINTED_METAL": "Painted Metal", "OLD_STONE": "Old Stone", "DUSTY_PLAS
 DIAGONAL = 2 * 3**0.5
 # The custom property of nodes of the group that keeps what we have set the inputs to.
 LEFT = tuned.PROPERTY
-# What a material is marked with that had no nodes before.
-WITHOUT_NODES = "without nodes"
+# The custom property of a material that showed no nodes before, with the names of those that it has all the same.
+FORMER_NODES = "paradesc_nodes"
 
 Values = dict[str, float | list[float]]
 
@@ -45,7 +45,7 @@ def values_of(node: bpy.types.Node) -> Values:
 
 
 def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
-    """What a look sets: the defaults of the group, or what the material of the assets has."""
+    """The values that a look sets: the defaults of the group, or what the material of the assets has."""
     if look == AS_IS:
         fresh = add_node(tree, "ShaderNodeGroup", (0, 0), node_tree=shared_group(GROUP))
         found = values_of(fresh)
@@ -58,7 +58,7 @@ def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
 
 
 def left_values(node: bpy.types.Node) -> Values:
-    """What we have set the inputs to; empty where it was somebody else."""
+    """The values that we have set the inputs to; empty where it was somebody else."""
     return record.kept(node, LEFT)
 
 
@@ -90,7 +90,7 @@ def fault(target: bpy.types.Object) -> str:
         return f'The material "{material.name}" is linked from another file; make it local first.'
     if slots.DESCRIPTOR in material:
         return f'The material "{material.name}" shows values; choose one of your own.'
-    if has_nodes(material) and base_shader(material) is None:
+    if material.node_tree is not None and base_shader(material) is None:
         return f'The material "{material.name}" has no Principled BSDF in use, whose colors could wear.'
     return ""
 
@@ -139,13 +139,16 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
 
 
 def give_nodes(material: bpy.types.Material) -> None:
-    """Lets a material that had none show by nodes what its panel has set."""
+    """Lets a material show nodes: those that somebody has switched off, else new ones, as its panel is set."""
+    is_ours = material.node_tree is None or OWN in material.node_tree
     material.use_nodes = True
-    shader = base_shader(material)
-    shader.inputs["Base Color"].default_value = material.diffuse_color
-    for name in ("Metallic", "Roughness"):
-        shader.inputs[name].default_value = getattr(material, name.lower())
-    material[tuned.PROPERTY] = WITHOUT_NODES
+    if is_ours:
+        material.node_tree[OWN] = True
+        shader = base_shader(material)
+        shader.inputs["Base Color"].default_value = material.diffuse_color
+        for name in ("Metallic", "Roughness"):
+            shader.inputs[name].default_value = getattr(material, name.lower())
+    material[FORMER_NODES] = material.node_tree.nodes.keys()
 
 
 def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
@@ -158,7 +161,7 @@ def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
 
 
 def free_place(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> tuple[float, float]:
-    """Where a node fits left of a shader, below what stands there; no node of the user's moves."""
+    """A place for a node left of a shader, below what stands there; no node of the user's moves."""
     left = shader.location.x - 300
     beside = [node.location for node in tree.nodes if -400 < node.location.x - left < 240]
     return left, min([shader.location.y, *(place.y - 360 for place in beside)])
@@ -200,7 +203,8 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     """Gives an object without material one of the looks; all that have masks at vertices share it."""
-    ours = [item for item in bpy.data.materials if item.get(MARK) == name and tuned.is_as_left(item)]
+    local = [item for item in bpy.data.materials if item.library is None]
+    ours = [item for item in local if item.get(MARK) == name and tuned.is_as_left(item)]
     material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
     if material is None or of_images:
         material = append("materials", name)
@@ -288,9 +292,10 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
     parents = [one.parent for one in tree.nodes]
     for frame in [one for one in tree.nodes if one.type == "FRAME" and OWN in one and one not in parents]:
         tree.nodes.remove(frame)
-    if material.get(tuned.PROPERTY) == WITHOUT_NODES:
-        material.use_nodes = False
-        del material[tuned.PROPERTY]
+    if FORMER_NODES in material:
+        if set(tree.nodes.keys()) <= set(material[FORMER_NODES]):  # else somebody has gone on with them
+            material.use_nodes = False
+        del material[FORMER_NODES]
     return []
 
 

@@ -68,7 +68,7 @@ class WearJob:
 
     @property
     def worker(self) -> Worker | None:
-        """What computes just now."""
+        """The worker that computes just now."""
         return self.current.worker
 
     @property
@@ -88,7 +88,7 @@ class WearJob:
 
     @property
     def stage(self) -> str:
-        """What is being done."""
+        """The stage of the bake that is under way, for people."""
         return self.current.stage
 
     def step(self, wait: bool = False) -> None:
@@ -134,7 +134,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading or writing the selected meshes."""
+        """Says what stands in the way of reading or writing the selected meshes, or ""."""
         sentence = targets.reading_obstacle(context)
         if sentence:
             return sentence

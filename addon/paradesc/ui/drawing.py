@@ -1,4 +1,4 @@
-"""What the panels share: their place in the sidebar, settings, and sentences in lines that fit into it."""
+"""The parts that panels share: their place in the sidebar, settings, and sentences in lines that fit into it."""
 
 import re
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from ..settings.translation import label
 MARGIN, ICON = 58, 24
 # Blender's own, in which labels are drawn.
 FONT = 0
-# What stands in one line: a word with the space before it, or a Chinese or Japanese sign with the commas behind it.
+# A piece that no line breaks: a word with the space before it, or a Chinese or Japanese sign with the commas behind it.
 SIGN = "\u2e80-\u3000\u3003-\u9fff\uff00-\uffef"
 WORD = re.compile(f" ?(?:[^ {SIGN}，．、。：；）」！？]+|[「（]?[{SIGN}])[，．、。：；）」！？]*")
 

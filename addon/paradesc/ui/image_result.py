@@ -33,7 +33,7 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def result_sentence(made: ImageBake) -> str:
-    """What was made, in one line."""
+    """One line about what was made."""
     images = made.images
     what = images[0].name if len(images) == 1 else label("{count} images").format(count=len(images))
     return label("{what}, {size}², {seconds} s").format(what=what, size=made.size, seconds=f"{made.seconds:.1f}")

@@ -17,7 +17,7 @@ from .report_panel import stored_report
 from .result import draw_result
 from .wear_panel import draw_wear
 
-# Of the row that the button has beside Live.
+# The button's share of its row, where Live is beside it.
 BAKE_SHARE = 0.7
 TO_IMAGE = "Bake to Image"
 MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}

@@ -1,4 +1,4 @@
-"""What the main panel says of the last bake of the active mesh: one line, what to show of it, and what limits it."""
+"""Draws the last bake of the active mesh in the main panel: one line, what to show of it, and what limits it."""
 
 import bpy
 
@@ -81,7 +81,7 @@ def next_radius(size: str, percent: float, step: int) -> tuple[str, float]:
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
-    """What a bake did and how long it took: "Openness · 0.2 s"."""
+    """One line about what a bake did and how long it took: "Openness · 0.2 s"."""
     asked = stored["settings"].get("descriptors")
     names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
     seconds = stored["field_report"]["seconds_total"]

@@ -81,7 +81,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         column.label(text=label("Device"), translate=False)
         text = device_words(devices.label_of(settings.backend, settings.device_index))
         column.menu("PARADESC_MT_devices", text=text, translate=False)
-        if settings.backend in WITH_BUFFERS:
+        if settings.backend in WITH_BUFFERS or preferences.shows_research():
             setting(layout, settings, "buffer_size")
 
 
