@@ -106,11 +106,14 @@ def contact(path: Path, sheets: list[Path], width: int = 640) -> None:
     small = [shrunk(picture, step) for picture in pictures]
     rows = math.ceil(len(small) / 2)
     high, wide = small[0].shape[:2]
-    sheet = np.full((rows * high, 2 * wide, 3), 24, np.uint8)
+    sheet = np.full((rows * high, 2 * wide, 4), 24 / 255, np.float32)
     for number, picture in enumerate(small):
         top, left = number // 2 * high, number % 2 * wide
-        sheet[top : top + high, left : left + wide] = picture
-    png.write_png(path, sheet)
+        sheet[top : top + high, left : left + wide, :3] = picture / 255
+    image = bpy.data.images.new("contact", 2 * wide, rows * high)
+    image.pixels.foreach_set(sheet[::-1].ravel())
+    image.file_format = "JPEG"
+    image.save(filepath=str(path), quality=75)
 
 
 def shrunk(picture: np.ndarray, step: int) -> np.ndarray:

@@ -94,10 +94,11 @@ def to_bake() -> Iterator[tuple[str, tuple[int, int]]]:
 
 def clicked() -> Iterator[str]:
     """Clicks on the first button that bakes, and waits for the end; gives what it does."""
+    yield from person.drawn(3)
     words, place = yield from to_bake()
     if words:
         yield from person.click(*place)
-        for _ in range(20):
+        for _ in range(40):
             if not idle():
                 break
             yield

@@ -15,6 +15,7 @@ def rendered(run: "Run", name: str) -> str:
     """Renders what the viewport sees with Cycles and one lamp; gives the name of the picture."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 24
+    scene.cycles.use_denoising = False  # which not every build has
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 900, 900, 100
     if scene.camera is None:
         lamp = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
@@ -64,13 +65,10 @@ def looks(run: "Run") -> Iterator[None]:
     """The three looks."""
     import paradesc
 
-    kind = getattr(bpy.types, "PARADESC_OT_add_wear", None)
-    names = [item.identifier for name in ("look", "kind") if kind and name in kind.bl_rna.properties for item in kind.bl_rna.properties[name].enum_items]
+    names = [item.identifier for item in bpy.ops.paradesc.add_wear.get_rna_type().properties["look"].enum_items]
     run.saw("item 6", f"looks of Add Wear: {names}; files {sorted(path.name for path in person.Path(paradesc.__file__).parent.rglob('*.blend'))}", len(names) >= 3)
     for name in names:
-        operator = bpy.ops.paradesc.add_wear
-        word = "look" if "look" in kind.bl_rna.properties else "kind"
-        person.in_view(operator, "INVOKE_DEFAULT", **{word: name})
+        person.in_view(bpy.ops.paradesc.add_wear, "INVOKE_DEFAULT", look=name)
         yield from person.drawn(3)
         yield from person.wait(idle)
         shading().type = "SOLID"
