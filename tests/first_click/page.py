@@ -1,6 +1,7 @@
 """Turns the rows of the first click into lines for the console and into a page."""
 
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import measures
@@ -8,6 +9,7 @@ import measures
 if TYPE_CHECKING:
     from report import Row
 
+HERE = Path(__file__).resolve().parent
 INTRODUCTION = f"""# The first click
 
 Each asset is imported and clicked once with every setting at its default, on the button that the panel offers first: *Bake to Image* where
@@ -71,5 +73,6 @@ def page(rows: list["Row"], left_out: list[str]) -> str:
         first = [f"**{row.asset}**" if row.seen else "", f"{row.mask}{' *' if row.suits else ''}", row.by]
         radius = f"{row.percent:.2f} %" if row.percent else ""
         body += "| " + " | ".join([*first, radius, *cells(row), verdict(row)]) + " |\n"
-    end = f"\nMeasured on {time.strftime('%Y-%m-%d')} by `tests/first_click/report.py --page`; {summary(rows, left_out)}"
-    return f"{INTRODUCTION}\n{head}{body}{end}"
+    end = f"\nMeasured on {time.strftime('%Y-%m-%d')} by `tests/first_click/report.py --page`. {summary(rows, left_out)}"
+    picture = "\n![The project's own assets, each with Dirty, Pointiness, Cavity and Edge Wear](contact.jpg)\n"
+    return f"{INTRODUCTION}\n{head}{body}{picture if (HERE / 'contact.jpg').is_file() else ''}{end}"

@@ -115,7 +115,8 @@ def main(words: list[str]) -> int:
         rows += measured(asset, asked.both, not asked.no_peers, asked.pictures)
         sys.stderr.write(f"{asset.name}: {time.monotonic() - start:.1f} s\n")
     if asked.pictures:
-        sheets.contact(asked.pictures / "contact.jpg", [asked.pictures / f"{row.asset}.png" for row in rows if row.seen])
+        own = [row.asset for row in rows if row.seen and not ASSETS[row.asset].file]  # no picture of what others have made
+        sheets.contact((HERE if asked.page else asked.pictures) / "contact.jpg", [asked.pictures / f"{name}.png" for name in own])
     sys.stdout.write("".join(["\n", *map(page.line, rows), page.summary(rows, left_out)]))
     if asked.page:
         (HERE / "REPORT.md").write_text(page.page(rows, left_out))
