@@ -168,6 +168,13 @@ class ModalJob:
         if context.workspace is not None:
             context.workspace.status_text_set(None)
         redraw_sidebars(context)
+        # Blender 4 draws the first button after the bar like the bar until the sidebar is drawn once more.
+        bpy.app.timers.register(redraw_every_sidebar, first_interval=0.3)
+
+
+def redraw_every_sidebar() -> None:
+    """Does so without an event, of which a timer has none."""
+    redraw_sidebars(bpy.context)
 
 
 def progress_text(job: Steps) -> str:

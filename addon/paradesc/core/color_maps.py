@@ -44,6 +44,8 @@ NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.0
 
 # The share of a color map that is nearly black; a mask of which more than DARKEST is so shows little.
 DARK, DARKEST = 0.05, 0.8
+# One of which more than this share is nearly black gives way to another mask of the same bake that has less.
+TELLING = 0.6
 
 
 @dataclass(frozen=True)
@@ -293,7 +295,7 @@ def quantile(values: np.ndarray, weights: np.ndarray, percent: float) -> float:
 
 def most_telling(dark: list[float]) -> int:
     """The place of the first mask, by the shares that are nearly black, unless it shows little and another one more."""
-    return 0 if dark[0] <= DARKEST else dark.index(min(dark))
+    return 0 if dark[0] <= TELLING else dark.index(min(dark))
 
 
 def map_name(descriptor: Descriptor, look: Look) -> str:
