@@ -110,7 +110,7 @@ def drawn():
         def separator(self):
             lines.append("---")
 
-        def operator(self, _operator, text, icon=""):
+        def operator(self, _operator, text, **_options):
             line = SimpleNamespace(text=text, layout=self)
             lines.append(line)
             return line

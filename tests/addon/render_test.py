@@ -310,4 +310,4 @@ def test_a_farm_is_told_what_goes_wrong(tmp_path):
     words = ["--factory-startup", tmp_path / "shot.blend", *enabled_by_script(tmp_path)]
     said = run_blender([bpy.app.binary_path, "-b", *words, "-o", tmp_path / "farm####", "-f", FRAMES[1]], tmp_path)
     assert "switched off" in said
-    assert "vertices of" in said
+    assert "take vertices away" in said

@@ -243,9 +243,9 @@ def masked(name: str) -> Iterator[None]:
         run_in_view(bpy.ops.paradesc.mask_from_shape, "INVOKE_DEFAULT", True, mask="openness", invert=invert)
         yield from wait_for(lambda: not baking())
         yield
-    # The ball's openness is a little above one half everywhere.
+    # The ball is about as open everywhere, which is nearly the largest value of its range.
     expected = sculpt_masks.values(mesh)
-    assert 0.45 < np.median(expected) < 0.6, np.median(expected)
+    assert 0.9 < np.median(expected) <= 1, np.median(expected)
     for wanted in (1 - expected, np.full(len(expected), 0.25)):
         run_in_view(bpy.ops.ed.undo)
         yield

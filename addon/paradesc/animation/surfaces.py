@@ -52,7 +52,7 @@ def shown(
 ) -> Iterator[Surface]:
     """The surface by its source, as the depsgraph of this evaluated object has it."""
     own = target.data
-    still = source == source_kinds.ORIGINAL and not deforms(target, rendering)
+    still = source == source_kinds.ORIGINAL and not deforms(target, evaluated, rendering)
     if target.mode == "SCULPT" or still:
         yield Surface(own, False, own_positions(target), own)
         return
@@ -127,9 +127,12 @@ def cuts(target: bpy.types.Object, rendering: bool) -> bool:
     return any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in changing(target, rendering))
 
 
-def deforms(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether anything moves the vertices of the object's own mesh."""
-    return target.data.shape_keys is not None or len(used(target, rendering)) > len(changing(target, rendering))
+def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> bool:
+    """Whether anything moves the vertices of the object's own mesh; nodes may, where they make as many."""
+    own, kinds = target.data, {item.type for item in used(target, rendering)}
+    moved = own.shape_keys is not None or own.animation_data is not None
+    nodes = "NODES" in kinds and len(evaluated.data.vertices) == len(own.vertices)
+    return moved or nodes or bool(kinds - source_meshes.GENERATING - {"NODES"})
 
 
 def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:

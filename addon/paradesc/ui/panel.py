@@ -87,9 +87,9 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
     column = layout.column(align=True)
     sentence_lines(context, column, "Protect by Sculpt Mask")
-    row = column.row(align=True)
+    grid = column.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in sculpt_mask.MASKS:
-        row.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].label), translate=False).mask = name
+        grid.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].label), translate=False).mask = name
     sentence = sculpt_masks.multires_obstacle(context.active_object)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
