@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from measures import MOST_DARK, Measures, Points, Surface, at_corners, evenly, flat_faces, measured
+from measures import Measures, Points, Surface, at_corners, evenly, flat_faces, measured
 
+from paradesc.core import color_maps
 from paradesc.scene import image_preview, image_results, large_faces
 from paradesc.show import recolor
 
@@ -72,8 +73,7 @@ def found(in_images: bool) -> list[Shown]:
         images = image_results.found(target).images
         made = [in_image(target, mask, image) for mask in MASKS for image in images if MASKS[mask][1] in image.name]
         if not any(shown.seen for shown in made):  # in the background, which has no viewport
-            first = made[0] if made[0].measured(False).dark <= MOST_DARK else min(made, key=lambda one: one.measured(False).dark)
-            first.seen = True
+            made[color_maps.most_telling([one.measured(False).dark for one in made])].seen = True
         return made
     target = next(item for item in meshes if any(name in item.data.attributes for name, _ in MASKS.values()))
     return [at_vertices(target, mask) for mask, (name, _) in MASKS.items() if name in target.data.attributes]

@@ -8,6 +8,7 @@ import bpy
 import clicks
 import numpy as np
 from mathutils import Vector
+from PIL import Image
 
 from paradesc.files import lettering, png, png_reading
 
@@ -99,25 +100,11 @@ def written(path: Path, views: dict[str, np.ndarray]) -> None:
     png.write_png(path, sheet)
 
 
-def contact(path: Path, sheets: list[Path], width: int = 640) -> None:
+def contact(path: Path, sheets: list[Path], width: int = 533) -> None:
     """All sheets below each other in two columns, small."""
-    pictures = [read(sheet) for sheet in sheets]
-    step = pictures[0].shape[1] // width + (pictures[0].shape[1] % width > 0)
-    small = [shrunk(picture, step) for picture in pictures]
-    rows = math.ceil(len(small) / 2)
-    high, wide = small[0].shape[:2]
-    sheet = np.full((rows * high, 2 * wide, 4), 24 / 255, np.float32)
-    for number, picture in enumerate(small):
-        top, left = number // 2 * high, number % 2 * wide
-        sheet[top : top + high, left : left + wide, :3] = picture / 255
-    image = bpy.data.images.new("contact", 2 * wide, rows * high)
-    image.pixels.foreach_set(sheet[::-1].ravel())
-    image.file_format = "JPEG"
-    image.save(filepath=str(path), quality=75)
-
-
-def shrunk(picture: np.ndarray, step: int) -> np.ndarray:
-    """The picture with means of squares of so many pixels."""
-    high, wide = (length // step * step for length in picture.shape[:2])
-    squares = picture[:high, :wide].reshape(high // step, step, wide // step, step, 3)
-    return np.round(squares.mean(axis=(1, 3))).astype(np.uint8)
+    pictures = [Image.open(sheet) for sheet in sheets]
+    high = width * pictures[0].height // pictures[0].width
+    whole = Image.new("RGB", (2 * width, math.ceil(len(pictures) / 2) * high))
+    for number, picture in enumerate(pictures):
+        whole.paste(picture.convert("RGB").resize((width, high)), (number % 2 * width, number // 2 * high))
+    whole.save(path, quality=75)
