@@ -24,7 +24,7 @@ from scene import add_sphere, small_bake  # noqa: E402
 DEFAULT_WIDTH = 229  # of a sidebar that nobody has widened, at the scale 1
 # The share of a line that Blender gives to a setting's name, and the pixels of an icon or of the arrow of a menu.
 LABEL_SHARE, BUTTON_ICON = 0.4, 18
-# Of descriptors' names in the menu that shows one, this ends with "…".
+# This one of the descriptors' names ends with "…" in the menu that shows one.
 LONGEST = "Principal Curvature, Smaller"
 PANELS = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
 

@@ -29,7 +29,7 @@ PARTS = {
     "The {0} has no path; give one under Output.",
     "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
 }
-# What Blender's files and programs read, what the command line says of arrays, and what nobody sees.
+# Texts that Blender's files and programs read, that the command line says of arrays, and that nobody sees.
 NO_TEXTS = {
     *("Paradesc", "Paradesc cavity", "Paradesc Cavity of mean_curvature", "Paradesc {0} by {1}", "{0} of {1}"),
     *("Paradesc unwrap", "paradesc live", "The native library is missing", "Paradesc's settings of one scene."),

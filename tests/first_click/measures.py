@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils.kdtree import KDTree
 
-# What eight bits show as black.
+# Eight bits show this as black.
 BLACK = 1 / 255
 WHITE, WHITE_PERCENTILE = 0.98, 98.0
 BRIGHT, LEAST_BRIGHT, MOST_BRIGHT = 0.5, 0.02, 0.40

@@ -17,16 +17,11 @@ COPY_SUFFIX = "_paradesc"
 
 def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
     """Writes the results where they belong, or nothing; gives sentences about what stays beside them."""
+    if not reading.generated:
+        return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
     with modes.object_mode(target):
-        if reading.generated:
-            return deliver_generated(target, results, reading)
-        mesh_io.check_count(target.data, results)
-        extras = mesh_io.extras_on(target.data, results)
-        at = mesh_io.places(target.data, results.values, extras)
-        mesh_io.write_at(target.data, results, at, mesh_io.drawing(results, *mesh_io.surface_of(target.data)))
-        carrying.release(target.data, mesh_io.attribute_names(results.values, extras, at))
-    return mesh_io.moved_notes(at)
+        return deliver_generated(target, results, reading)
 
 
 def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:

@@ -9,7 +9,7 @@ from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps, uv_faults
 from ..core.advice import double_areas
 from ..core.job import UNDEFINED_MASK, Results, registry_name
-from . import modes, ownership, record, unwrap
+from . import carrying, modes, ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
 # By name: the range of a descriptor's colors, and what a record says of how they are made.
@@ -201,8 +201,10 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     check_writable(target)
     with modes.object_mode(target):
         check_count(target.data, results)
-        at = places(target.data, results.values, extras_on(target.data, results))
+        extras = extras_on(target.data, results)
+        at = places(target.data, results.values, extras)
         write_at(target.data, results, at, drawing(results, *surface_of(target.data)))
+        carrying.release(target.data, attribute_names(results.values, extras, at))
     return moved_notes(at)
 
 
