@@ -61,6 +61,7 @@ struct Neighborhood {
   float gauss;
   float k1;
   float k2;
+  float roughness;    // root of the mean of |n_i - n(x)|^2, n(x) the normal that S says
 };
 
 // e^T S e and |S e|^2, summed over neighbors by the moments of e e^T (xx, xy, yy).

@@ -24,4 +24,8 @@
 // ball.
 #define CREASE_REACH 1.25
 
+// The normal of the center counts as much in the mean normal of its neighborhood: what cancels out, as the normals of a closed surface
+// do, has no other.
+#define LEAST_MEAN_NORMAL 0.02
+
 #endif

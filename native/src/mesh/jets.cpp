@@ -104,11 +104,13 @@ void fit(const Heights &heights, Gradients &gradients) {
     gradients.exists[lane] = count >= quadratic_columns + spare_neighbors && quadratic.least_pivot[lane] > least_pivot;
     if (!gradients.exists[lane]) continue;
     double share = 0.0;
+    gradients.noise[lane] = larger(quadratic.residual[lane], 0.0) / (count - quadratic_columns);
     if (count >= all_columns + spare_neighbors && cubic.least_pivot[lane] > least_pivot) {
       const double left = larger(cubic.residual[lane], 0.0);
       const double gain = (larger(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
       const double noise = left / (count - all_columns);
       if (gain > least_gain * noise) share = 1 - least_gain * noise / gain;
+      gradients.noise[lane] = noise;
     }
     const auto blend = [&](double of_quadratic, double of_cubic) {
       return share > 0.0 ? of_quadratic + share * (of_cubic - of_quadratic) : of_quadratic;

@@ -25,6 +25,7 @@ struct Heights {
 struct Gradients {
   bool exists[fan_lanes];
   double u[fan_lanes], v[fan_lanes];
+  double noise[fan_lanes]; // variance of the heights around the jet
 };
 
 // Cubic terms take part as far as they explain more than noise would: the quadratic jet has three times less of that. F is the

@@ -24,6 +24,14 @@ constexpr double spread_full = 0.9;              // 26 degrees: up to here the f
 constexpr double spread_none = 0.8;              // 37 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
+// Where neighbors lie off the fit, by noise, stairs or detail that the mesh cannot show, the normal is the mean of all faces around:
+// vector areas are linear in positions, so that noise cancels in them, and fits differentiate it. In distances of the neighbors, and
+// in their heights, for where the surface bends as much, the fit still tells how.
+constexpr double noise_none = 0.015;
+constexpr double noise_full = 0.05;
+constexpr double share_none = 0.15;
+constexpr double share_full = 0.4;
+
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
 dvec3 position(const Triangles &triangles, int vertex) { return dvec3(triangles.positions[vertex]); }
@@ -129,13 +137,10 @@ public:
   // ring, faces: as NormalRings has them. place: of the normal.
   void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
     const dvec3 n = max_normal(from_, fan, mean_squares(from_, fan));
-    const double spread = spread_of(faces, n);
-    if (spread <= spread_none) {
-      normals_[place] = vec3(n);
-      return;
-    }
+    double spread = 1;
+    const dvec3 mean = mean_of(faces, n, spread);
     const dvec3 e1 = tangent_of(n);
-    members_[used_] = {fan, place, spread, n, e1, glm::cross(n, e1)};
+    members_[used_] = {fan, place, spread, 0, 0, n, e1, glm::cross(n, e1), mean};
     take_heights(members_[used_], ring);
     if (++used_ == fan_lanes) fit();
   }
@@ -143,23 +148,26 @@ public:
 private:
   struct Member {
     int fan, place;
-    double spread;
+    double spread, square, height; // mean squares: of the distances of neighbors, and of their heights
     dvec3 n, e1, e2;
+    dvec3 mean; // of the faces of the rings, by their areas
   };
 
-  // The mean cosine between the normal and the faces, by their areas.
-  double spread_of(std::span<const int32_t> faces, dvec3 n) const {
-    double sum = 0, areas = 0;
+  // The direction of the faces' mean by their areas; spread: its cosine with the normal, by its length.
+  dvec3 mean_of(std::span<const int32_t> faces, dvec3 n, double &spread) const {
+    dvec3 sum(0);
+    double areas = 0;
     for (const int index : faces) {
       const FaceNormal face = from_.face(index);
       const double area = static_cast<double>(face.size) * static_cast<double>(face.size);
-      sum += area * glm::dot(dvec3(face.normal), n);
+      sum += area * dvec3(face.normal);
       areas += area;
     }
-    return areas > 0 ? sum / areas : 1;
+    spread = areas > 0 ? glm::dot(sum, n) / areas : 1;
+    return unit_or(sum, n);
   }
 
-  void take_heights(const Member &member, std::span<const int32_t> ring) {
+  void take_heights(Member &member, std::span<const int32_t> ring) {
     const auto center = static_cast<size_t>(from_.rings.fan_begin[member.fan]);
     const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
     for (; heights_.max_count < ring.size(); ++heights_.max_count)
@@ -168,8 +176,13 @@ private:
       const dvec3 d = position(from_.triangles, ring[i]) - p;
       heights_.u[i][used_] = glm::dot(d, member.e1);
       heights_.v[i][used_] = glm::dot(d, member.e2);
-      heights_.w[i][used_] = glm::dot(d, member.n);
+      const double height = glm::dot(d, member.n);
+      heights_.w[i][used_] = height;
+      member.square += glm::dot(d, d);
+      member.height += height * height;
     }
+    member.square /= static_cast<double>(ring.size());
+    member.height /= static_cast<double>(ring.size());
     heights_.count[used_] = static_cast<int>(ring.size());
   }
 
@@ -179,18 +192,22 @@ private:
     fit_gradients_(heights_, gradients);
     for (int lane = 0; lane < used_; ++lane)
       normals_[members_[lane].place] =
-          vec3(gradients.exists[lane] ? turned(members_[lane], gradients.u[lane], gradients.v[lane]) : members_[lane].n);
+          vec3(gradients.exists[lane] ? turned(members_[lane], {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane])
+                                      : members_[lane].n);
     used_ = 0;
     heights_.max_count = 0;
     std::ranges::fill(heights_.count, 0);
   }
 
-  static dvec3 turned(const Member &member, double u, double v) {
+  static dvec3 turned(const Member &member, dvec2 gradient, double noise) {
     const dvec3 n = member.n;
-    const dvec3 fitted = glm::normalize(n - u * member.e1 - v * member.e2);
+    const dvec3 fitted = glm::normalize(n - gradient.x * member.e1 - gradient.y * member.e2);
     const double weight =
         smooth_step(spread_none, spread_full, member.spread) * smooth_step(turn_none, turn_full, glm::dot(n, fitted));
-    return glm::normalize(n + weight * (fitted - n));
+    const dvec3 smooth = glm::normalize(n + weight * (fitted - n));
+    const double rough = smooth_step(noise_none, noise_full, std::sqrt(noise / member.square)) *
+                         smooth_step(share_none, share_full, member.height > 0 ? std::sqrt(noise / member.height) : 0.0);
+    return unit_or(smooth + rough * (member.mean - smooth), smooth);
   }
 
   const Sources &from_;

@@ -137,17 +137,21 @@ JetGradient solve_cubic() {
 }
 
 // Of the jet through `count` neighbors; false where these do not determine it. Cubic terms take part as far as they explain more than noise.
-bool fit_gradient(int count, out dvec2 gradient) {
+// noise: the variance of the heights around the jet.
+bool fit_gradient(int count, out dvec2 gradient, out double noise) {
   const double least_gain = 3.0LF;
   const int cubic_terms = 4, quadratic_columns = 5, spare_neighbors = 2, columns = quadratic_columns + cubic_terms;
   scale_columns();
   begin_quadratic();
   JetGradient quadratic = solve_gradient();
   gradient = quadratic.slope;
+  noise = quadratic.residual / double(count - quadratic_columns);
   if (count < quadratic_columns + spare_neighbors || !quadratic.exists) return false;
   if (count < columns + spare_neighbors) return true;
   JetGradient cubic = solve_cubic();
-  double gain = (quadratic.residual - cubic.residual) / double(cubic_terms), noise = cubic.residual / double(count - columns);
-  if (cubic.exists && gain > least_gain * noise) gradient += (1.0LF - least_gain * noise / gain) * (cubic.slope - gradient);
+  if (!cubic.exists) return true;
+  noise = cubic.residual / double(count - columns);
+  double gain = (quadratic.residual - cubic.residual) / double(cubic_terms);
+  if (gain > least_gain * noise) gradient += (1.0LF - least_gain * noise / gain) * (cubic.slope - gradient);
   return true;
 }

@@ -15,6 +15,8 @@ layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 // In cosines: 26 and 37 degrees of spread, 8 and 12 of turn.
 const double spread_full = 0.9LF, spread_none = 0.8LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
+// In distances of neighbors, and in their heights.
+const double noise_none = 0.015LF, noise_full = 0.05LF, share_none = 0.15LF, share_full = 0.4LF;
 
 dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
@@ -43,16 +45,19 @@ dvec3 max_normal(int begin, int end, double least_squares) {
   return normal == dvec3(0.0LF) ? dvec3(0.0LF, 0.0LF, 1.0LF) : normal;
 }
 
-// The mean cosine between the normal and the faces of the rings, by their areas.
-double spread_of(dvec3 normal, int begin, int end) {
-  double sum = 0.0LF, areas = 0.0LF;
+// The direction of the mean of the rings' faces by their areas; spread: its cosine with the normal, by its length.
+dvec3 mean_of_faces(dvec3 normal, int begin, int end, out double spread) {
+  dvec3 sum = dvec3(0.0LF);
+  double areas = 0.0LF;
   for (int i = begin; i < end; ++i) {
     vec4 face = texelFetch(faces, texelFetch(ring_faces, i).x);
     double area = double(face.w) * double(face.w);
-    sum += area * dot(dvec3(face.xyz), normal);
+    sum += area * dvec3(face.xyz);
     areas += area;
   }
-  return areas > 0.0LF ? sum / areas : 1.0LF;
+  spread = areas > 0.0LF ? dot(sum, normal) / areas : 1.0LF;
+  dvec3 mean = unit_or_zero(sum);
+  return mean == dvec3(0.0LF) ? normal : mean;
 }
 
 double smooth_between(double none, double full, double value) {
@@ -62,18 +67,26 @@ double smooth_between(double none, double full, double value) {
 
 dvec3 unit(dvec3 v) { return v * (1.0LF / sqrt(dot(v, v))); }
 
-dvec3 turned(dvec3 n, dvec3 p, double spread, int begin, int end) {
+dvec3 turned(dvec3 n, dvec3 p, dvec3 mean, double spread, int begin, int end) {
   dvec3 e1 = unit(cross(n, abs(n.x) < 0.6LF ? dvec3(1.0LF, 0.0LF, 0.0LF) : dvec3(0.0LF, 1.0LF, 0.0LF))), e2 = cross(n, e1);
+  double squares = 0.0LF;
   begin_moments();
   for (int i = begin; i < end; ++i) {
     dvec3 d = dvec3(mesh_position(texelFetch(ring_vertices, i).x)) - p;
     add_height(dot(d, e1), dot(d, e2), dot(d, n));
+    squares += dot(d, d);
   }
   dvec2 gradient;
-  if (!fit_gradient(end - begin, gradient)) return n;
+  double noise;
+  if (!fit_gradient(end - begin, gradient, noise)) return n;
   dvec3 fit = unit(n - gradient.x * e1 - gradient.y * e2);
   double weight = smooth_between(spread_none, spread_full, spread) * smooth_between(turn_none, turn_full, dot(n, fit));
-  return unit(n + weight * (fit - n));
+  dvec3 smooth_normal = unit(n + weight * (fit - n));
+  noise *= double(end - begin);
+  double rough = smooth_between(noise_none, noise_full, sqrt(noise / squares)) *
+                 (sum_ww > 0.0LF ? smooth_between(share_none, share_full, sqrt(noise / sum_ww)) : 0.0LF);
+  dvec3 blended = unit_or_zero(smooth_normal + rough * (mean - smooth_normal));
+  return blended == dvec3(0.0LF) ? smooth_normal : blended;
 }
 
 void main() {
@@ -82,8 +95,9 @@ void main() {
   ivec3 begin = texelFetch(rings, fan).xyz, end = texelFetch(rings, fan + 1).xyz;
 #if FITTED
   dvec3 normal = max_normal(begin.x, end.x, mean_squares(begin.x, end.x));
-  double spread = spread_of(normal, begin.z, end.z);
-  if (spread > spread_none) normal = turned(normal, fan_position(begin.x), spread, begin.y, end.y);
+  double spread;
+  dvec3 mean = mean_of_faces(normal, begin.z, end.z, spread);
+  normal = turned(normal, fan_position(begin.x), mean, spread, begin.y, end.y);
 #else
   dvec3 normal = max_normal(begin.x, end.x, 0.0LF);
 #endif

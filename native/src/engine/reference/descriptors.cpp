@@ -75,6 +75,8 @@ dvec3 reference_principal_direction_min(const ReferenceNeighborhood &neighborhoo
   return positive_direction(neighborhood.direction_min);
 }
 
+double reference_roughness(const ReferenceNeighborhood &neighborhood) { return neighborhood.roughness; }
+
 double reference_euclidean_area(const ReferenceNeighborhood &neighborhood) {
   return neighborhood.area > 0 ? neighborhood.area : undefined;
 }
