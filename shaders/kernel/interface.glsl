@@ -27,6 +27,7 @@ struct Neighbor {
   float rho;       // |d|
   float mean_rho;  // mean of |d| over the surface it stands for
   vec3 normal;     // n_i, unit
+  float noise;     // variance of the surface along its normals, in units of r^2
 #if FACES
   vec3 face;       // unit normal of the triangle it lies on
 #endif
@@ -61,7 +62,7 @@ struct Neighborhood {
   float gauss;
   float k1;
   float k2;
-  float roughness;    // root of the mean of |n_i - n(x)|^2, n(x) the normal that S says
+  float standard_error; // of H by noise; NaN where nothing is known of it
 };
 
 // e^T S e and |S e|^2, summed over neighbors by the moments of e e^T (xx, xy, yy).

@@ -28,4 +28,10 @@
 // do, has no other.
 #define LEAST_MEAN_NORMAL 0.02
 
+// By how much normals blur neighborhoods, fitted ones and means of faces alike, in areas of a vertex; and the share of the noise of
+// heights that counts, since fits go through a noisy vertex themselves. Both by noise of 0.02 to 0.3 edges in balls of 2 to 12 % of tori
+// and ellipsoids.
+#define BLUR_OF_NORMALS 3.0
+#define NOISE_SHARE 0.3
+
 #endif

@@ -6,9 +6,11 @@
 struct Moments {
   float area;          // sum of w
   float squares;       // sum of w^2
+  float facets;        // sum of w times the area that a neighbor stands for
   vec3 offset;         // sum of w d, d in units of r
   vec3 normal;         // sum of w m, m = n_i - n: the normal less that of the center
   float bend;          // sum of w |m|^2
+  float noise;         // sum of w: variance of the positions along normals, in units of r^2
   vec3 extent;         // sum of w: dx dx, dy dy, dz dz
   vec3 extent_mixed;   // sum of w: dy dz, dz dx, dx dy
   vec3 turn;           // sum of w: mx dx, my dy, mz dz
@@ -45,9 +47,11 @@ void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
 #endif
   sums.moments.area = 0.0f;
   sums.moments.squares = 0.0f;
+  sums.moments.facets = 0.0f;
   sums.moments.offset = vec3(0.0f);
   sums.moments.normal = vec3(0.0f);
   sums.moments.bend = 0.0f;
+  sums.moments.noise = 0.0f;
   sums.moments.extent = vec3(0.0f);
   sums.moments.extent_mixed = vec3(0.0f);
   sums.moments.turn = vec3(0.0f);
@@ -100,7 +104,9 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
 #if !(MAP && defined(WIDE_NEIGHBORS)) // no variate is taken of a map over wide neighbors
   vec3 turn = neighbor.normal - center.normal;
   sums.moments.squares += neighbor.weight * neighbor.weight;
+  sums.moments.facets += neighbor.weight * neighbor.area;
   sums.moments.offset += neighbor.weight * d;
+  sums.moments.noise += neighbor.weight * neighbor.noise;
   sums.moments.normal += neighbor.weight * turn;
   add_variance(sums.moments, neighbor.weight, d, turn);
 #endif
@@ -129,6 +135,7 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   neighbor.rho = length(neighbor.offset);
   neighbor.mean_rho = neighbor.rho;
   neighbor.normal = normal;
+  neighbor.noise = NOT_A_NUMBER; // texels do not know it
 #if FACES
   neighbor.face = face;
 #endif
@@ -229,6 +236,15 @@ vec3 shape_at(Center center, Fit fit) {
               normal_curvature(s, outer(b)));
 }
 
+// The standard error of H that independent noise of the vertices makes. H is, by Gauss's theorem, a sum over heights z: the ball counts
+// 2 z, its rim -r z. A vertex stands for two triangles; normals blur the ball and its rim by the vertices that they come from.
+float standard_error_of(Moments m) {
+  float r = params.radius, vertex = 2.0f * m.facets / m.area;
+  float blurred = r * r + float(BLUR_OF_NORMALS) * vertex, rim = r / sqrt(float(BLUR_OF_NORMALS) * 4.0f * vertex);
+  float variance = float(NOISE_SHARE) * m.noise / m.area * r * r * vertex;
+  return sqrt(16.0f / PI * variance * (1.0f + rim) / blurred) / blurred;
+}
+
 // The tolerance on the second moments of a full disk. Few samples leave noise: the rim cuts 2 sqrt(pi n) of n samples.
 float disk_tolerance(Moments m) {
   float share = m.squares / max(m.area * m.area, 1e-30f); // 1 / n
@@ -251,7 +267,7 @@ Neighborhood unfitted_neighborhood(float area, float scale) {
   neighborhood.gauss = NOT_A_NUMBER;
   neighborhood.k1 = NOT_A_NUMBER;
   neighborhood.k2 = NOT_A_NUMBER;
-  neighborhood.roughness = NOT_A_NUMBER;
+  neighborhood.standard_error = NOT_A_NUMBER;
   return neighborhood;
 }
 
@@ -286,7 +302,7 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
   if (fit.exists) {
     neighborhood.shape = shape_at(sums.center, fit);
     find_directions(fit.shape / params.radius, fit.t1, fit.t2, neighborhood);
-    neighborhood.roughness = sqrt(fit.unexplained / m.area);
+    neighborhood.standard_error = standard_error_of(m);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
     vec3 off = abs(scale * fit.disk / disk - vec3(1.0f, 0.0f, 1.0f));

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -126,10 +127,17 @@ double smooth_step(double none, double full, double value) {
   return t * t * (3 - 2 * t);
 }
 
+// Of some fans: unit normals, and the variance of positions around the fits.
+struct FanNormals {
+  std::vector<vec3> normal;
+  std::vector<float> noise; // none where nothing is fitted
+  FanNormals(int count, bool fitted) : normal(static_cast<size_t>(count)), noise(fitted ? normal.size() : 0) {}
+};
+
 // Fits fans in lanes, as many at a time as there are.
 class Fitter {
 public:
-  Fitter(const Sources &from, std::span<vec3> normals) : from_(from), normals_(normals) {}
+  Fitter(const Sources &from, FanNormals &fans) : from_(from), fans_(fans) {}
   ~Fitter() { fit(); }
   Fitter(const Fitter &) = delete;
   Fitter &operator=(const Fitter &) = delete;
@@ -190,10 +198,12 @@ private:
     if (used_ == 0) return;
     Gradients gradients;
     fit_gradients_(heights_, gradients);
-    for (int lane = 0; lane < used_; ++lane)
-      normals_[members_[lane].place] =
-          vec3(gradients.exists[lane] ? turned(members_[lane], {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane])
-                                      : members_[lane].n);
+    for (int lane = 0; lane < used_; ++lane) {
+      const Member &member = members_[lane];
+      fans_.normal[member.place] = vec3(
+          gradients.exists[lane] ? turned(member, {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane]) : member.n);
+      fans_.noise[member.place] = gradients.exists[lane] ? static_cast<float>(gradients.noise[lane]) : 0.0f;
+    }
     used_ = 0;
     heights_.max_count = 0;
     std::ranges::fill(heights_.count, 0);
@@ -211,7 +221,7 @@ private:
   }
 
   const Sources &from_;
-  std::span<vec3> normals_;
+  FanNormals &fans_;
   Heights heights_;
   std::array<Member, fan_lanes> members_;
   int used_ = 0;
@@ -219,32 +229,32 @@ private:
 };
 
 // fan_of(i): the fan of each normal.
-std::vector<vec3> max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
-  std::vector<vec3> normals(static_cast<size_t>(count));
+FanNormals max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
+  FanNormals fans(count, false);
   parallel_blocks(count, threads, block_size, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i)));
+    for (int i = begin; i < end; ++i) fans.normal[i] = vec3(max_normal(from, fan_of(i)));
   });
-  return normals;
+  return fans;
 }
 
-std::vector<vec3> fitted_normals(const Sources &from, int count, int threads, const auto &fan_of) {
+FanNormals fitted_normals(const Sources &from, int count, int threads, const auto &fan_of) {
   const NormalRings &rings = from.rings;
-  std::vector<vec3> normals(static_cast<size_t>(count));
+  FanNormals fans(count, true);
   parallel_blocks(count, threads, block_size, [&](int begin, int end) {
-    Fitter fitter(from, normals);
+    Fitter fitter(from, fans);
     for (int i = begin; i < end; ++i) {
       const int fan = fan_of(i);
       fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan), i);
     }
   });
-  return normals;
+  return fans;
 }
 
 // Each run of rings is given up as soon as its normals are known.
-std::vector<vec3> fitted_normals_once(const Sources &from, const HalfEdges &half_edges, const FanCorners &fans, int threads) {
-  std::vector<vec3> normals(static_cast<size_t>(from.rings.fan_count));
-  walk_rings(half_edges, from.rings, fans, threads, [&](const RingRun &run) {
-    Fitter fitter(from, normals);
+FanNormals fitted_normals_once(const Sources &from, const HalfEdges &half_edges, const FanCorners &corners, int threads) {
+  FanNormals fans(from.rings.fan_count, true);
+  walk_rings(half_edges, from.rings, corners, threads, [&](const RingRun &run) {
+    Fitter fitter(from, fans);
     std::span<const int32_t> vertices = run.vertices, faces = run.faces;
     for (size_t i = 0; i < run.ring_size.size(); ++i) {
       const auto ring_size = static_cast<size_t>(run.ring_size[i]), face_size = static_cast<size_t>(run.face_size[i]);
@@ -254,7 +264,7 @@ std::vector<vec3> fitted_normals_once(const Sources &from, const HalfEdges &half
       faces = faces.subspan(face_size);
     }
   });
-  return normals;
+  return fans;
 }
 
 // ---- Corners and points ---------------------------------------------------------------------------------------------------
@@ -296,6 +306,14 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
 
 } // namespace
 
+float Normals::noise_of(int32_t triangle) const {
+  if (noise.empty()) return std::numeric_limits<float>::quiet_NaN();
+  float sum = 0.0f;
+  for (size_t corner = 3 * static_cast<size_t>(triangle), k = 0; k < 3; ++k, ++corner)
+    if (const int32_t fan = (*corner_fan)[corner]; fan >= 0) sum += noise[fan];
+  return sum / 3.0f;
+}
+
 // group: as Normals has it. rings: of which it is; null: of corners.
 static Normals with_points(const Triangles &triangles, const HalfEdges &half_edges, std::vector<vec3> group,
                            const NormalRings *rings, int threads) {
@@ -327,8 +345,10 @@ static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edg
   const bool fitted = kind == PDESC_NORMALS_FITTED;
   const std::vector<FaceNormal> faces = fitted ? face_normals(triangles, threads) : std::vector<FaceNormal>();
   const Sources from{triangles, rings, faces};
-  return with_points(triangles, half_edges, fitted ? fit(from) : max_normals(from, rings.fan_count, threads, std::identity()),
-                     &rings, threads);
+  FanNormals fans = fitted ? fit(from) : max_normals(from, rings.fan_count, threads, std::identity());
+  Normals normals = with_points(triangles, half_edges, std::move(fans.normal), &rings, threads);
+  normals.noise = std::move(fans.noise);
+  return normals;
 }
 
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
@@ -353,7 +373,9 @@ std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRi
   const Sources from{triangles, rings, {}};
   const auto count = static_cast<int>(fans.size());
   const auto fan_of = [&](int i) { return fans[i]; };
-  return kind == PDESC_NORMALS_FITTED ? fitted_normals(from, count, threads, fan_of) : max_normals(from, count, threads, fan_of);
+  FanNormals result =
+      kind == PDESC_NORMALS_FITTED ? fitted_normals(from, count, threads, fan_of) : max_normals(from, count, threads, fan_of);
+  return std::move(result.normal);
 }
 
 } // namespace paradesc

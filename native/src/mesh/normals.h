@@ -15,6 +15,7 @@ namespace paradesc {
 struct Normals {
   std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // of the rings; none where corners have normals of their own
+  std::vector<float> noise; // of each fan: variance of the positions around the fit, along the normal; none where nothing is fitted
   std::vector<vec3> point; // (point_count) unit: of the evaluation at that point, common to all its fans
   // Unit; zero for triangles left out.
   vec3 corner(size_t corner) const {
@@ -22,6 +23,8 @@ struct Normals {
     const int32_t fan = (*corner_fan)[corner];
     return fan < 0 ? vec3(0.0f) : group[fan];
   }
+  // Mean over the triangle; NaN where it is not known.
+  float noise_of(int32_t triangle) const;
 };
 
 // The normals of a surface at one moment, or what an engine fits them to by itself; either is made when first asked for.

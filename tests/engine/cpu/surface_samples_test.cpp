@@ -26,7 +26,7 @@ struct Prepared {
       : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)),
         normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), kind_of_normals, 1)),
         tree(build_cluster_tree(half_edges)), space(bake_space_of(measure_extent(triangles, half_edges, 1).box)),
-        source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2} {}
+        source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2, static_cast<float>(space.scale)} {}
   Triangles triangles;
   HalfEdges half_edges;
   Normals normals;

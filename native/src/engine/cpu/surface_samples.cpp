@@ -47,6 +47,7 @@ public:
       : surfels_(surfels), middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
+    noise_ = source.noise_of(triangle);
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
       whole_.corner[k] = {source.position(corner),
@@ -136,7 +137,9 @@ private:
       positions[k] = piece.corner[k].position;
       normals[k] = piece.corner[k].normal;
     }
-    samples_.sample.push_back(flat(sample_of_triangle(positions, normals, piece.at_rim() ? lean_ : 0.0f), surfel_));
+    Sample sample = sample_of_triangle(positions, normals, piece.at_rim() ? lean_ : 0.0f);
+    sample.noise = noise_;
+    samples_.sample.push_back(flat(sample, surfel_));
     if (!has_map_) return;
     const auto value = [&](int k) { return at(map_, piece.corner[k].weights); };
     samples_.map.push_back(map_of_triangle({value(0), value(1), value(2)}));
@@ -144,7 +147,7 @@ private:
 
   const Surfels &surfels_;
   Piece whole_;
-  float lean_;
+  float lean_, noise_;
   vec3 middle_;
   float limit_;
   int32_t surfel_;

@@ -415,7 +415,9 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean) {
     corners[k] = source.position(3 * triangle + k);
     normals[k] = source.normals.corner(static_cast<size_t>(3 * triangle + k));
   }
-  return sample_of_triangle(corners, normals, lean);
+  Sample sample = sample_of_triangle(corners, normals, lean);
+  sample.noise = source.noise_of(triangle);
+  return sample;
 }
 
 Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness) {

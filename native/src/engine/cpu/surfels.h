@@ -27,8 +27,10 @@ struct SurfelSource {
   UnsetVector<vec3> positions;  // (vertex_count) in the units of all that follows
   const std::vector<vec4> *map; // (point_count) gradient and value of what operators work on, or null
   int threads;
+  float scale; // of positions, against those of the normals' mesh
 
   vec3 position(int32_t corner) const { return positions[triangles.corner_vertex[corner]]; }
+  float noise_of(int32_t triangle) const { return scale * scale * normals.noise_of(triangle); }
 };
 float squared_turn(vec3 a, vec3 b, vec3 c); // of normals: the largest squared distance between them, were they of length 1; about
 

@@ -75,7 +75,7 @@ dvec3 reference_principal_direction_min(const ReferenceNeighborhood &neighborhoo
   return positive_direction(neighborhood.direction_min);
 }
 
-double reference_roughness(const ReferenceNeighborhood &neighborhood) { return neighborhood.roughness; }
+double reference_standard_error(const ReferenceNeighborhood &neighborhood) { return neighborhood.standard_error; }
 
 double reference_euclidean_area(const ReferenceNeighborhood &neighborhood) {
   return neighborhood.area > 0 ? neighborhood.area : undefined;

@@ -35,6 +35,7 @@ struct Surface {
 struct Patch {
   std::array<dvec3, 3> corners, normals;
   std::array<dvec4, 3> map{};
+  double noise = 0; // variance of the positions along normals
   int center = -1; // the corner at p, or -1
 };
 
@@ -50,6 +51,7 @@ struct Center {
 // Sums over samples.
 struct Moments {
   double area = 0, rho = 0, height = 0, bending = 0;
+  double noise = 0, facets = 0; // of w: variance of the positions along normals; area of the triangle
   double strip = 0; // area within the ball and beyond r along the surface
   dvec3 offset{0}, normal{0}; // of d and of n
   dmat3 extent{0}, turn{0}; // of d dT and of n dT
@@ -159,13 +161,21 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
+// Of H, of noise that moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each, less r z along
+// its rim; both are blurred as normals are.
+double standard_error(const Moments &moments, double r) {
+  const double vertex = 2 * moments.facets / moments.area, variance = moments.noise / moments.area * vertex;
+  const double blurred = r * r + BLUR_OF_NORMALS * vertex, rim = r / std::sqrt(BLUR_OF_NORMALS * 4 * vertex);
+  return std::sqrt(16 / pi * NOISE_SHARE * variance * (1 + rim) / blurred) / blurred;
+}
+
 // Least squares for a symmetric S over the plane of the mean normal: X S + S X = M + MT, in the principal frame of X three separate
 // equations.
 void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
   constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner neighborhood does not determine S
   neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
   neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
-  neighborhood.roughness = undefined;
+  neighborhood.standard_error = undefined;
   if (!(moments.area > 0)) return;
   const dvec3 up = glm::normalize(moments.normal + LEAST_MEAN_NORMAL * moments.area * center.normal);
   const dvec3 tangent = tangent_of(up), bitangent = glm::cross(up, tangent);
@@ -179,9 +189,7 @@ void fit_shape_operator(const Moments &moments, const Center &center, ReferenceN
   if (!(across > least_ratio * along)) return;
   const double m11 = between(e1, turn, e1), m22 = between(e2, turn, e2), m12 = between(e1, turn, e2) + between(e2, turn, e1);
   const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
-  const dvec3 mean_normal = moments.normal / moments.area; // |n| = 1
-  const double varied = 1 - glm::dot(mean_normal, mean_normal), explained = (s11 * m11 + s22 * m22 + s12 * m12) / moments.area;
-  neighborhood.roughness = std::sqrt(std::max(varied - explained, 0.0));
+  neighborhood.standard_error = standard_error(moments, center.radius);
   const double mean = 0.5 * (s11 + s22), half_difference = std::hypot(0.5 * (s11 - s22), s12);
   neighborhood.k1 = mean + half_difference;
   neighborhood.k2 = mean - half_difference;
@@ -245,7 +253,11 @@ private:
       stack_.pop_back();
       const Patch patch = patch_of(face);
       if (cross_edges(face, patch, radius)) neighborhood.boundary = true;
+      const double before = moments.area;
       add_triangle(moments, center_, patch);
+      const auto &[a, b, c] = patch.corners;
+      moments.noise += (moments.area - before) * patch.noise;
+      moments.facets += (moments.area - before) * 0.5 * glm::length(glm::cross(b - a, c - a));
     }
     neighborhood.radius = radius;
     neighborhood.area = moments.area;
@@ -296,6 +308,7 @@ private:
 
   Patch patch_of(int face) const {
     Patch patch;
+    patch.noise = static_cast<double>(surface_.normals.noise_of(face));
     for (size_t k = 0; k < 3; ++k) {
       const size_t corner = 3 * static_cast<size_t>(face) + k;
       const int vertex = surface_.triangles.corner_vertex[corner];
