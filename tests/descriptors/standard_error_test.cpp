@@ -34,8 +34,8 @@ TestMesh noisy(TestMesh mesh, double deviation) {
 // 95 % are wanted. Normals of rough places and of smooth ones blur by different amounts, for which there is room.
 TEST_P(StandardError, covers_what_noise_changes) {
   if (is_device()) GTEST_SKIP() << "Texels do not know the noise of positions.";
-  for (const double radius : {0.06, 0.1}) {
-    const Settings settings{.radius = radius};
+  for (const double share_of_diagonal : {0.06, 0.1}) {
+    const Settings settings{.radius = share_of_diagonal};
     const std::vector<float> before = compute_one(mesh, "mean_curvature", settings);
     const double edge = 0.047; // the mean one
     for (const double share : {0.05, 0.2}) {
@@ -45,8 +45,8 @@ TEST_P(StandardError, covers_what_noise_changes) {
       size_t covered = 0;
       for (size_t i = 0; i < after.size(); ++i) covered += std::abs(after[i] - before[i]) < 1.96f * error[i];
       const double percent = 100.0 * static_cast<double>(covered) / static_cast<double>(after.size());
-      EXPECT_GT(percent, 88) << radius << ", " << share;
-      EXPECT_LT(percent, 99.9) << radius << ", " << share;
+      EXPECT_GT(percent, 88) << share_of_diagonal << ", " << share;
+      EXPECT_LT(percent, 99.9) << share_of_diagonal << ", " << share;
     }
   }
 }

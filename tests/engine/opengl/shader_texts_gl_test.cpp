@@ -55,7 +55,9 @@ TEST_F(ShaderTexts, of_the_papers_way_with_integrals_and_operators_on_a_map_are_
   const auto count = static_cast<size_t>(pdesc_descriptor_count());
   ASSERT_GE(field.values.size(), count);
   for (size_t row = 0; row < count; ++row)
-    EXPECT_TRUE(std::ranges::any_of(field.values[row], [](float value) { return std::isfinite(value); })) << row;
+    EXPECT_EQ(std::ranges::any_of(field.values[row], [](float value) { return std::isfinite(value); }),
+              descriptors()[row].name != std::string("standard_error")) // texels do not know the noise of positions
+        << row;
 }
 
 TEST_F(ShaderTexts, have_work_groups_of_64_on_a_card_with_the_same_results) {

@@ -260,6 +260,7 @@ TEST(Reference, scaling_with_the_radius_scales_the_results) {
     for (size_t i = 0; i < names.size(); ++i)
       for (size_t v = 0; v < mesh.points.size(); ++v) {
         const double value = expected.columns[i][v] * std::pow(factor, descriptors()[i].length_power);
+        if (std::isnan(value) && std::isnan(found.columns[i][v])) continue; // the standard error, by normals that were given
         ASSERT_NEAR(found.columns[i][v], value, 1e-5 * std::abs(value)) << names[i]; // rounding against the plane threshold aside
       }
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -23,7 +24,7 @@ struct ReferenceNeighborhood {
   double bending = 0;                         // of w |n - n_i|^2 / rho^2
   double geodesic_area = 0;                   // area within r along the surface
   double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the estimator asked for; NaN where they do not exist
-  double standard_error = 0;                  // of H by noise of the positions; NaN where nothing is known of it
+  double standard_error = std::numeric_limits<double>::quiet_NaN(); // of H by noise of the positions; NaN: not known
   dvec3 direction_max{0}, direction_min{0};   // of the shape operator, unit
   bool boundary = false;                      // a mesh boundary lies within the ball
   ReferenceWindow window;                     // where a map is given
