@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..core import job, transfer
+from ..core.color_maps import MASKS
 from ..core.threads import Worker
 from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
@@ -43,16 +44,20 @@ class TextureBake(Piece):
 
     def result(self, size: int) -> image_results.ImageBake:
         """The record of it that the mesh keeps, once its images are there."""
-        transfer = self.textures.results.transfer
+        found = self.textures.results
+        masks = [MASKS.issuperset(textures[0].holds) for textures in self.textures.by_name().values()]
+        seen = zip(masks, self.textures.extremes(), strict=True)
         return image_results.ImageBake(
             names=[image.name for image in self.images],
             holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
             size=size,
             seconds=self.seconds,
             uv_map=self.over.name,
-            cage=0.0 if transfer is None else transfer.cage,
+            cage=0.0 if found.transfer is None else found.transfer.cage,
             notes="\n".join(self.told),
             warnings="\n".join(self.warnings),
+            percent=100 * found.radius / found.mesh_report["diagonal"],
+            drawn={str(place): shares for place, (is_mask, shares) in enumerate(seen) if is_mask},
         )
 
 

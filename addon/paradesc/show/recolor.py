@@ -10,7 +10,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, record, viewports
+from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, record, targets, viewports
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
@@ -113,9 +113,9 @@ def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why there is nothing to show on the active object, or ""."""
-    target = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
-    if target is None or target.type != "MESH":
+    """One sentence about why there is nothing to show of the chosen objects, or ""."""
+    target = targets.first(context)
+    if target is None:
         return "Select a mesh object first"
     if not baked_names(target.data):
         return "Bake descriptors on this mesh first"
@@ -123,9 +123,9 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object and the other selected meshes with results; the first one if several share a mesh."""
+    """The chosen and the other selected meshes with results; the first one if several share a mesh."""
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
-    for target in [context.active_object, *context.selected_objects]:
+    for target in [*targets.chosen(context), *context.selected_objects]:
         if target.type == "MESH" and baked_names(target.data):
             found.setdefault(target.data, target)
     return list(found.values())
@@ -146,7 +146,7 @@ class NeedsBake:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode, where attributes can be read and written."""
-        found = baked_targets(context) if self.whole_selection else [context.active_object]
+        found = baked_targets(context) if self.whole_selection else [targets.first(context)]
         failures = 0
         with modes.object_mode():
             for target in found:
@@ -232,9 +232,9 @@ _items: list[Item] = []
 
 
 def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
-    """The baked descriptors of the active mesh."""
-    target = context.active_object if context is not None else None
-    names = baked_names(target.data) if target is not None and target.type == "MESH" else []
+    """The baked descriptors of the mesh that the panel is about."""
+    target = targets.first(context) if context is not None else None
+    names = baked_names(target.data) if target is not None else []
     _items[:] = [(name, legend.label(name), "") for name in names]
     return _items or [("", "None", "")]
 
