@@ -44,6 +44,11 @@ def shown_name(mesh: bpy.types.Mesh) -> str:
     return name if active is not None and name != active.name and name in baked_names(mesh) else ""
 
 
+def shown_names(mesh: bpy.types.Mesh) -> list[str]:
+    """The same as a list of one, or of none."""
+    return [name] if (name := shown_name(mesh)) else []
+
+
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and map in which a descriptor's colors on this mesh were made."""
     stored = record.read(mesh)
@@ -181,19 +186,21 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         if choices.look_fault(group):
             raise mesh_io.refuse(choices.look_fault(group))
         mesh = target.data
-        names = baked_names(mesh)
-        chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
-        for name in chosen:
+        for name in (not self.every and shown_names(mesh)) or baked_names(mesh):
             recolor_object(target, name, choices.look_of(group))
 
 
-def on_look(scene: bpy.types.Scene) -> None:
-    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor."""
+def on_look(scene: bpy.types.Scene, setting: str) -> None:
+    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor.
+
+    All masks get one scale or lose it, since those that are shown later would have another one.
+    """
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
     look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
-    shown = [(item, name) for item in found if (name := shown_name(item.data))]
+    names_of = baked_names if setting == "same_scale" else shown_names
+    shown = [(item, name) for item in found for name in names_of(item.data)]
     if scene.paradesc_looks.same_scale:
         look = color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
     for item, name in shown:
@@ -219,12 +226,12 @@ def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descr
 
 def register() -> None:
     """Follows the colors of scenes."""
-    looks.LISTENERS.append(on_look)
+    looks.listen(on_look)
 
 
 def unregister() -> None:
     """Does so no more."""
-    looks.LISTENERS.remove(on_look)
+    looks.ignore(on_look)
 
 
 # Blender needs the strings of such items to stay alive.
