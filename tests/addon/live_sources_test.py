@@ -10,6 +10,7 @@ from paradesc.animation import frames, handlers  # noqa: E402
 from paradesc.core import choices, fitting  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import record  # noqa: E402
+from paradesc.settings.animation import frame_source  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -283,14 +284,23 @@ def test_live_shows_its_colors_beside_others(cage):
 def test_frames_are_those_of_the_source_that_is_chosen_for_all(cage):
     scene = bpy.context.scene
     group = scene.paradesc_animation
-    assert frames.source_of(scene, cage) == "evaluated"
+    assert frames.source_of(cage, frame_source(group)) == "evaluated"
     group.source = "original"
-    assert frames.source_of(scene, cage) == "deformed"
+    assert frames.source_of(cage, frame_source(group)) == "deformed"
     group.source = "auto"
     cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
-    assert frames.source_of(scene, cage) == "deformed", "frames of other vertices cannot be played"
+    assert frames.source_of(cage, frame_source(group)) == "deformed", "frames of other vertices cannot be played"
     group.frame_source = "evaluated"
-    assert frames.source_of(scene, cage) == "evaluated", "an older file has chosen it"
+    assert frames.source_of(cage, frame_source(group)) == "evaluated", "an older file has chosen it"
+
+
+def test_the_menu_of_the_frame_source_shows_what_acts_before_and_after_a_choice():
+    group = bpy.context.scene.paradesc_animation
+    for source, acts in (("original", "deformed"), ("deformed", "deformed"), ("evaluated", "evaluated")):
+        group.source = source
+        assert (group.frame_source, frame_source(group)) == ("source", acts)
+    group.frame_source = "deformed"
+    assert (group.frame_source, frame_source(group)) == ("deformed", "deformed")
 
 
 def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):
