@@ -159,10 +159,6 @@ def test_tiles_are_not_shown_and_one_sentence_says_so(folder):  # noqa: F811
 
 
 def test_tiles_have_no_button_to_show_them(folder):  # noqa: F811
-    from panel_test import drawn_by
-
-    from paradesc.ui import panel
-
     in_tiles(ball())
     baked()
     buttons = drawn_by(panel.PARADESC_PT_bake)["operator"]
@@ -179,6 +175,23 @@ def test_packed_images_are_saved_as_the_bake_made_them(settings, tmp_path):  # n
     with pytest.raises(RuntimeError, match="is there already"):
         bpy.ops.paradesc.save_images(directory=str(tmp_path))
     assert (tmp_path / "ball_curvature.png").read_bytes() == b"mine"
+
+
+def test_without_a_folder_packed_images_go_beside_the_blend_never_where_blender_was_started(
+    settings,  # noqa: F811
+    tmp_path,
+    monkeypatch,
+):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    baked()
+    for words in ({}, {"directory": "//below"}):
+        with pytest.raises(RuntimeError, match="Save the .blend first"):
+            bpy.ops.paradesc.save_images(**words)
+    saved_scene(tmp_path / "scene.blend")
+    assert bpy.ops.paradesc.save_images() == {"FINISHED"}
+    assert (tmp_path / "ball_curvature.png").is_file()
+    assert pngs_in(tmp_path / "elsewhere") == []
 
 
 def test_packed_tiles_are_saved_one_by_one(settings, tmp_path):  # noqa: F811
@@ -212,10 +225,6 @@ def test_a_mesh_without_images_has_no_line_and_grey_buttons():
 
 
 def test_the_line_has_its_buttons_and_says_what_happened_to_the_map(settings):  # noqa: F811
-    from panel_test import drawn_by
-
-    from paradesc.ui import panel
-
     ball().data.uv_layers.remove(ball().data.uv_layers[0])
     made = baked()
     found = drawn_by(panel.PARADESC_PT_bake)

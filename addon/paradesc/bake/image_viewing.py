@@ -102,7 +102,11 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
     bl_label = "Save"
 
     directory: bpy.props.StringProperty(
-        name="Folder", description="Where the files go", default="", subtype="DIR_PATH", options={"SKIP_SAVE"}
+        name="Folder",
+        description="Where the files go; empty: beside the .blend",
+        default="",
+        subtype="DIR_PATH",
+        options={"SKIP_SAVE"},
     )
     filter_folder: bpy.props.BoolProperty(
         name="Folders", description="Have the file browser show folders", default=True, options={"HIDDEN", "SKIP_SAVE"}
@@ -115,7 +119,11 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
 
     def run(self, _context: bpy.types.Context, made: ImageBake, _image: bpy.types.Image) -> set[str]:
         """Writes all of them as the bake made them; files that are there already stay."""
-        folder = Path(bpy.path.abspath(self.directory))
+        directory = self.directory or "//"
+        if directory.startswith("//") and not bpy.data.filepath:
+            self.report({"ERROR"}, said("Save the .blend first, beside which images go, or name a folder"))
+            return {"CANCELLED"}
+        folder = Path(bpy.path.abspath(directory))
         contents = {
             folder / name: content
             for image in made.images
