@@ -250,11 +250,7 @@ def of_an_own_object(group):
     group.nodes[carrying.CARRIER].inputs["Object"].default_value = other
 
 
-def without_carrier(group):
-    bpy.data.objects.remove(carrying.held_by(group))
-
-
-@pytest.mark.parametrize("change", [muted, cut, with_a_node, of_an_own_object, without_carrier])
+@pytest.mark.parametrize("change", [muted, cut, with_a_node, of_an_own_object])
 def test_nodes_that_were_edited_stay_and_others_are_made(change):
     target = box()
     bake("convexity")
@@ -268,6 +264,26 @@ def test_nodes_that_were_edited_stay_and_others_are_made(change):
         assert (group.nodes.keys(), len(group.links)) == (nodes, count)
     assert len(bpy.data.objects.get("mine", target).data.vertices) in (0, 8)
     assert len(shown(target, "cavity")) == len(source_meshes.read(target, "evaluated").arrays.positions)
+
+
+@pytest.mark.parametrize("deleted", ["modifier", "carrier"])
+@pytest.mark.parametrize("source", [source_kinds.AUTOMATIC, source_kinds.ORIGINAL])
+def test_what_somebody_has_deleted_by_hand_leaves_nothing_behind_at_the_next_bake(deleted, source):
+    target = box()
+    before = stock()
+    bake("convexity")
+    if deleted == "modifier":
+        target.modifiers.remove(target.modifiers[-1])
+    else:
+        bpy.data.objects.remove(carrying.held_by(target.modifiers[-1].node_group))
+    bake("convexity", source=source)
+    if source == source_kinds.AUTOMATIC:
+        assert len(ours(target)) == 1
+        assert len(shown(target, "convexity")) == len(source_meshes.read(target, "evaluated").arrays.positions)
+    else:
+        assert ours(target) == []
+    bpy.data.orphans_purge()  # the mesh of a deleted object, as saving does
+    assert stock() == tuple(count + (source == source_kinds.AUTOMATIC) for count in before)
 
 
 def test_a_carrier_that_somebody_uses_stays_as_it_is():
