@@ -171,8 +171,15 @@ class ImageBatch(OneByOne):
         self.settle()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
-                self.attempt(piece, lambda piece: uv_maps.remove(piece.target(), piece.over.name))
+                self.attempt(piece, self.take_map_away)
                 piece.over = None
+
+    def take_map_away(self, piece: TextureBake) -> None:
+        """Removes the UV map that was made for a mesh, unless images of another object with it lie over that."""
+        target, name = piece.target(), piece.over.name
+        kept = (other for other in self.pieces if other.images and other.over.name == name)
+        if all(other.target().data != target.data for other in kept):
+            uv_maps.remove(target, name)
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
