@@ -17,7 +17,7 @@ RESEARCH = {
         *("geodesic", "seed"),
         *("write_attributes", "write_image", "image_format", "image_path", "write_buffers", "buffers_path"),
     ),
-    "paradesc_looks": ("percentile", "symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
+    "paradesc_looks": ("symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
     "paradesc_animation": ("frame_source", "relative_to_rest"),
     "paradesc_live": ("samples", "buffer_size", "fast_seams", "full_render", "missing"),
 }
