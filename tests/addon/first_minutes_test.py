@@ -244,9 +244,7 @@ def drawn_lines(target):
     widget = SimpleNamespace(widget=SimpleNamespace(points=11))
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[widget])
     place = {"active_object": target, "selected_objects": [target]}
-    panel.draw_live(
-        SimpleNamespace(**place, region=SimpleNamespace(width=400), preferences=preferences), layout
-    )
+    panel.draw_live(SimpleNamespace(**place, region=SimpleNamespace(width=400), preferences=preferences), layout)
     return lines
 
 

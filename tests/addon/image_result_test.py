@@ -69,7 +69,7 @@ def drawn_lines():
 
 
 @pytest.mark.parametrize(("levels", "words"), [({}, "black"), ({"invert": True}, "white")])
-def test_an_image_that_is_black_or_white_nearly_everywhere_has_buttons_for_other_radii(folder, settings, levels, words):  # noqa: F811
+def test_an_image_that_is_black_or_white_has_buttons_for_other_radii(folder, settings, levels, words):  # noqa: F811
     settings.descriptors, settings.radius_percent = {"cavity"}, 4.0  # a sphere has none
     for name, value in levels.items():
         setattr(bpy.context.scene.paradesc_looks, name, value)
@@ -186,7 +186,7 @@ def test_without_a_folder_packed_images_go_beside_the_blend_never_where_blender_
     monkeypatch.chdir(tmp_path / "elsewhere")
     baked()
     for words in ({}, {"directory": "//below"}):
-        with pytest.raises(RuntimeError, match="Save the .blend first"):
+        with pytest.raises(RuntimeError, match=r"Save the [.]blend first"):
             bpy.ops.paradesc.save_images(**words)
     saved_scene(tmp_path / "scene.blend")
     assert bpy.ops.paradesc.save_images() == {"FINISHED"}

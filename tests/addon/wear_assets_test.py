@@ -17,11 +17,11 @@ pytestmark = pytest.mark.usefixtures("registered")
 # ---- Values
 
 
-def baked(target, material, cavity, edges, output="Color", **inputs):
+def baked(ball, material, cavity, edges, output="Color", **inputs):
     """(texels, 3) what the wear of a material gives where the masks have these values, by a bake of Cycles."""
     for name, value in (("cavity_color", cavity), ("convexity_color", edges)):
-        content = np.tile(np.array([value, value, value, 1.0], np.float32), len(target.data.vertices))
-        target.data.attributes[name].data.foreach_set("color", content)
+        content = np.tile(np.array([value, value, value, 1.0], np.float32), len(ball.data.vertices))
+        ball.data.attributes[name].data.foreach_set("color", content)
     tree, (node,) = material.node_tree, wear_nodes(material)
     for name, value in inputs.items():
         node.inputs[name.replace("_", " ")].default_value = value

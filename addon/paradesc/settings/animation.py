@@ -7,7 +7,7 @@ from ..files import cache
 from .properties import path_options
 
 # Files keep the numbers of the choices.
-AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, which does not move, how it is deformed")
+AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, how it is deformed")
 DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
 
 

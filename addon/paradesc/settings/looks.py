@@ -20,8 +20,8 @@ PACKED_DOMAINS = [
 COLORS = members.color_members()
 CHANNELS = ("red", "green", "blue", "alpha")
 Listener = Callable[[bpy.types.Scene, str], None]
-# Called with the scene whose settings were changed, and the name of the setting. Folders that come later add themselves,
-# unknown to this one.
+# Called with the scene whose settings were changed, and the name of the setting. Folders that come later add
+# themselves, unknown to this one.
 LISTENERS: list[Listener] = []
 
 

@@ -1,4 +1,4 @@
-"""Draws the legend in the viewport, a color bar with numbers, if the object that the panel is about shows our colors."""
+"""Draws the legend in the viewport, a color bar with numbers, if the panel's object shows our colors."""
 
 import bpy
 
@@ -14,7 +14,7 @@ _state: dict[str, object] = {}
 
 
 def shown_descriptor(context: bpy.types.Context) -> tuple[bpy.types.Object, str] | None:
-    """The object that the panel is about and the descriptor whose colors it shows in this viewport; None if it shows none."""
+    """The panel's object and the descriptor whose colors it shows in this viewport; None if it shows none."""
     target, space = targets.first(context), context.space_data
     if target is None or not target.visible_get(viewport=space):
         return None
