@@ -15,7 +15,7 @@ from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.scene import large_faces, mesh_io, record  # noqa: E402
 from paradesc.settings import preferences, research  # noqa: E402
-from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, result, settings_panel  # noqa: E402
+from paradesc.ui import drawing, image_panel, live_panel, looks_panel, panel, report_panel, result, settings_panel  # noqa: E402
 from scene import add_sphere, select, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
@@ -185,6 +185,15 @@ def test_research_settings_that_act_are_said_and_go_by_one_click(monkeypatch):
     assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
     assert settings.seed == 0
     assert "is set" not in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+
+
+def test_the_number_of_a_range_by_percentiles_is_beside_it_and_no_research_setting():
+    looks = bpy.context.scene.paradesc_looks
+    looks.percentile = 5.0
+    assert research.changed(bpy.context.scene) == []
+    assert "percentile" not in drawn_by(looks_panel.PARADESC_PT_looks)["prop"]
+    looks.span = "percentile"
+    assert "percentile" in drawn_by(looks_panel.PARADESC_PT_looks)["prop"]
 
 
 def test_every_setting_is_in_the_panel(monkeypatch):
