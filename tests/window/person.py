@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 
@@ -115,6 +116,18 @@ def drag(start: tuple[float, float], shift: tuple[float, float], turns: int = 8)
         yield
     window().event_simulate("LEFTMOUSE", "RELEASE", x=x, y=y)
     yield
+
+
+def preferences() -> Iterator[None]:
+    """Shows the add-on's entry in Blender's preferences, opened, in place of the viewport."""
+    area = viewport()
+    area.type = "PREFERENCES"
+    bpy.context.preferences.active_section = "ADDONS"
+    bpy.context.window_manager.addon_search = "Paradesc"
+    (entry,) = (addon_utils.module_bl_info(module) for module in addon_utils.modules() if module.__name__ == "paradesc")
+    if not entry["show_expanded"]:
+        bpy.ops.preferences.addon_expand(module="paradesc")
+    yield from drawn(10)
 
 
 # ---- Buttons, found by what they do

@@ -27,11 +27,7 @@ def without_numpy(run: "Run") -> Iterator[None]:
     run.saw("A5", "the add-on is ticked in a Blender without NumPy: what pops up", hasattr(bpy.types, "PARADESC_PT_failure"), file)
     yield from person.move(300, 300)
     area = person.viewport()
-    area.type = "PREFERENCES"
-    bpy.context.preferences.active_section = "ADDONS"
-    bpy.context.window_manager.addon_search = "Paradesc"
-    bpy.ops.preferences.addon_expand(module="paradesc")
-    yield from person.drawn(10)
+    yield from person.preferences()
     file = yield from run.picture("without_numpy_preferences")
     run.saw("A5", "the preferences without NumPy", None, file)
     area.type = "VIEW_3D"

@@ -27,7 +27,6 @@ def open_panels(run: "Run") -> Iterator[None]:
     as_found()
     yield from clicked()
     made.shape_key_add(name="Basis")
-    person.screen.open_panels()
     yield from person.drawn(3)
     found: dict[str, tuple[int, int]] = {}
     there = person.region("UI")
@@ -50,5 +49,6 @@ def open_panels(run: "Run") -> Iterator[None]:
 def steps(run: "Run") -> Iterator[None]:
     """All of it."""
     yield from person.alone()
+    person.screen.open_panels()  # before Blender draws them, since it keeps which are closed
     yield from person.open_tab()
     yield from run.tried("C4", open_panels(run))
