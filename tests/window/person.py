@@ -155,14 +155,18 @@ def buttons(kind: str = "UI", wanted: str = "") -> Iterator[dict[str, tuple[int,
 
     wanted: a part of a command or path, at which it stops.
     """
-    there, places = region(kind), {}
+    there, view, places = region(kind), region("WINDOW"), {}
     top = there.y + there.height
+    # Blender still names the button that was pressed last, until the mouse meets another one.
+    yield from move(view.x + view.width // 2, view.y + view.height // 2)
+    last = under_mouse(kind)
     for y in range(top - 30, top - (panel_height() if kind == "UI" else there.height), -ROW):
         for share in COLUMNS:
             x = there.x + int(share * (there.width - 24))
             yield from move(x, y)
             words = under_mouse(kind)
-            if words:
+            last = last if words == last else ""
+            if words and words != last:
                 places.setdefault(words, (x, y))
                 if wanted and wanted in words:
                     return places
