@@ -17,7 +17,7 @@ if [ "${1:-}" = --chroot ]; then
 fi
 groups=("$@")
 [ ${#groups[@]} -gt 0 ] || groups=(start missing words assets hard images live looks wear export large)
-WIDTH=1600 HEIGHT=1000 MINUTES=15
+WIDTH=1600 HEIGHT=1000 MINUTES=40
 
 rm -rf "$folder/scripts" # of another version
 mkdir -p "$folder/config" "$folder/scripts" "$folder/home"

@@ -150,10 +150,10 @@ def under_mouse(kind: str) -> str:
     return found
 
 
-def buttons(kind: str = "UI", wanted: str = "") -> Iterator[dict[str, tuple[int, int]]]:
+def buttons(kind: str = "UI", wanted: str = "", columns: tuple[float, ...] = COLUMNS) -> Iterator[dict[str, tuple[int, int]]]:
     """Moves the mouse over a region from its top, and gives the place of each button by what it does.
 
-    wanted: a part of a command or path, at which it stops.
+    wanted: a part of a command or path, at which it stops; columns: the shares of the width at which it looks.
     """
     there, view, places = region(kind), region("WINDOW"), {}
     top = there.y + there.height
@@ -161,7 +161,7 @@ def buttons(kind: str = "UI", wanted: str = "") -> Iterator[dict[str, tuple[int,
     yield from move(view.x + view.width // 2, view.y + view.height // 2)
     last = under_mouse(kind)
     for y in range(top - 30, top - (panel_height() if kind == "UI" else there.height), -ROW):
-        for share in COLUMNS:
+        for share in columns:
             x = there.x + int(share * (there.width - 24))
             yield from move(x, y)
             words = under_mouse(kind)

@@ -92,7 +92,7 @@ def as_found() -> None:
 
 def to_bake() -> Iterator[tuple[str, tuple[int, int]]]:
     """The first button that bakes, as a person sees it: what it does, and where it is."""
-    places = yield from person.buttons(wanted="paradesc.bake")
+    places = yield from person.buttons(wanted="paradesc.bake", columns=person.COLUMNS[:1])  # they are wide
     return next(((words, place) for words, place in places.items() if "paradesc.bake" in words), ("", (0, 0)))
 
 
