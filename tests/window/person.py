@@ -14,7 +14,7 @@ from paradesc.files import png
 sys.path.append(str(Path(__file__).resolve().parents[2] / "addon" / "manual" / "pictures"))
 import screen  # noqa: E402
 
-PATIENCE = 300.0  # seconds that one step may take
+PATIENCE = 900.0  # seconds that one step may take
 # How far apart the places are at which the mouse looks for a button: less than half a row at Blender's own scale.
 ROW = 12
 # Shares of the sidebar's width at which it looks.
