@@ -162,9 +162,8 @@ def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> Non
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
-    """Draws how far the work is; Blender has a bar for it since 4.0."""
-    if hasattr(layout, "progress"):
-        layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
+    """Draws how far the work is, as a property, since Blender 4 goes on drawing its own bar in place of what follows."""
+    layout.prop(context.window_manager, "paradesc_progress", text="", slider=True)
     sentence_lines(context, layout, progress_text(running), "SORTTIME")
     layout.operator("paradesc.cancel", icon="X")
 
