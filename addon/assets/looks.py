@@ -87,7 +87,7 @@ def dusty_plastic() -> bpy.types.Material:
     """Plastic whose edges are scuffed, with pale dust in the hollows and on top."""
     look = Look(
         "Dusty Plastic", 5.7, Own_Colors=0.0, Dirt_Color=(0.42, 0.385, 0.335, 1), Dirt_Amount=0.8, Dirt_Level=0.45,
-        Dirt_Contrast=0.0, Dirt_Roughness=1.0, Edge_Color=(0.74, 0.30, 0.19, 1), Edge_Amount=0.8, Edge_Level=0.4,
+        Dirt_Contrast=0.0, Dirt_Roughness=1.0, Edge_Color=(0.62, 0.61, 0.59, 1), Edge_Amount=0.55, Edge_Level=0.4,
         Edge_Contrast=0.5, Edge_Roughness=0.55, Edge_Metallic=0.0, Edge_Rim=0.0, Dust_on_Top=0.6, Noise_Scale=22.0,
         Noise_Breakup=0.7,
     )  # fmt: skip

@@ -350,6 +350,28 @@ def test_scene_settings_say_what_is_measured(cylinder_blend, tmp_path, monkeypat
     assert any(name.endswith("_change") for name in cache.read_frame(frame).values)
 
 
+@pytest.mark.parametrize(
+    ("source", "frame_source", "measured"),
+    [("original", None, "deformed"), ("auto", None, "evaluated"), ("evaluated", "deformed", "deformed")],
+)
+def test_scene_settings_give_frames_the_source_that_the_panel_gives_them(
+    cylinder_blend, monkeypatch, source, frame_source, measured
+):
+    monkeypatch.chdir(cylinder_blend.parent)
+    package.register()
+    group = bpy.context.scene.paradesc_animation
+    group.source = source
+    if frame_source:
+        group.frame_source = frame_source
+    bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))
+    package.unregister()
+    asked = []
+    baker = frames.FrameBaker
+    monkeypatch.setattr(frames, "FrameBaker", lambda *words: (asked.append(words[-1].source), baker(*words))[1])
+    assert cli.main(["animate", str(cylinder_blend), "--scene-settings", *QUICK, "--frames", "1"]) == 0
+    assert asked == [measured]
+
+
 # ---- The operator
 
 

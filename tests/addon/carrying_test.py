@@ -5,14 +5,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from export_test import enable, nearest, primitive  # noqa: E402
-
 from live_values import switch  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps, job, source_kinds  # noqa: E402
-from paradesc.scene import carrying, delivery, mesh_io, record, scene_io, source_meshes, targets  # noqa: E402
+from paradesc.scene import carrying, delivery, mesh_io, record, source_meshes, targets  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, saved_scene, select, small_bake, subdivide  # noqa: E402
+from scene import attribute_values, select, small_bake, subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 QUICK = job.Settings(("convexity",), bridge.Options(radius=0.1, samples=64), "cpu")
@@ -250,11 +248,7 @@ def of_an_own_object(group):
     group.nodes[carrying.CARRIER].inputs["Object"].default_value = other
 
 
-def without_carrier(group):
-    bpy.data.objects.remove(carrying.held_by(group))
-
-
-@pytest.mark.parametrize("change", [muted, cut, with_a_node, of_an_own_object, without_carrier])
+@pytest.mark.parametrize("change", [muted, cut, with_a_node, of_an_own_object])
 def test_nodes_that_were_edited_stay_and_others_are_made(change):
     target = box()
     bake("convexity")
@@ -268,6 +262,26 @@ def test_nodes_that_were_edited_stay_and_others_are_made(change):
         assert (group.nodes.keys(), len(group.links)) == (nodes, count)
     assert len(bpy.data.objects.get("mine", target).data.vertices) in (0, 8)
     assert len(shown(target, "cavity")) == len(source_meshes.read(target, "evaluated").arrays.positions)
+
+
+@pytest.mark.parametrize("deleted", ["modifier", "carrier"])
+@pytest.mark.parametrize("source", [source_kinds.AUTOMATIC, source_kinds.ORIGINAL])
+def test_what_somebody_has_deleted_by_hand_leaves_nothing_behind_at_the_next_bake(deleted, source):
+    target = box()
+    before = stock()
+    bake("convexity")
+    if deleted == "modifier":
+        target.modifiers.remove(target.modifiers[-1])
+    else:
+        bpy.data.objects.remove(carrying.held_by(target.modifiers[-1].node_group))
+    bake("convexity", source=source)
+    if source == source_kinds.AUTOMATIC:
+        assert len(ours(target)) == 1
+        assert len(shown(target, "convexity")) == len(source_meshes.read(target, "evaluated").arrays.positions)
+    else:
+        assert ours(target) == []
+    bpy.data.orphans_purge()  # the mesh of a deleted object, as saving does
+    assert stock() == tuple(count + (source == source_kinds.AUTOMATIC) for count in before)
 
 
 def test_a_carrier_that_somebody_uses_stays_as_it_is():
@@ -352,108 +366,3 @@ def test_a_result_object_of_an_earlier_version_stays_and_is_named(capfd):
     assert 'The object "box_paradesc" of an earlier version stays as it is' in capfd.readouterr().out
     assert len(former.data.vertices) == 0
     assert len(ours(target)) == 1
-
-
-# ---- Files
-
-
-def test_a_file_keeps_what_is_carried(tmp_path):
-    target = box()
-    bake("convexity")
-    bake("cavity")
-    expected = {name: shown(target, name) for name in carrying.carried_names(target)}
-    assert len(expected) == 5  # two masks, their colors, and the coverage
-    for _ in range(2):  # what nothing used would be lost by the second time
-        bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "box.blend")))
-    target = bpy.data.objects["box"]
-    for name, values in expected.items():
-        np.testing.assert_array_equal(shown(target, name), values)
-    assert len(ours(target)) == 1
-    before = stock()
-    bake("convexity")
-    assert stock() == before
-
-
-def test_objects_of_a_file_come_without_carriers_in_the_scene(tmp_path):
-    box()
-    bake("convexity")
-    path = saved_scene(tmp_path / "box.blend")
-    empty_scene()
-    add_sphere()
-    (found,) = scene_io.add_objects(path)
-    assert sorted(item.name for item in bpy.context.scene.objects) == ["box", "sphere"]
-    assert len(ours(found)) == 1
-    assert len(shown(found, "convexity")) == len(carrying.carrier_of(found).vertices)
-
-
-def test_gltf_gets_the_colors_of_the_evaluated_mesh(tmp_path):
-    target = box()
-    bake("convexity")
-    expected = shown(target, "convexity_color")
-    carrier = carrying.carrier_of(target)
-    points = mesh_io.read_positions(carrier)[:, [0, 2, 1]] * [1, 1, -1]  # glTF's y is up
-    enable("io_scene_gltf2")
-    options = {"export_all_vertex_colors": True} if "export_all_vertex_colors" in dir(gltf_options()) else {}
-    if "export_vertex_color" in dir(gltf_options()):
-        options["export_vertex_color"] = "ACTIVE"
-    with scene_io.numpy_bool():
-        bpy.ops.export_scene.gltf(filepath=str(tmp_path / "a.glb"), export_apply=True, **options)
-    found = primitive(tmp_path / "a.glb")
-    at = nearest(points, found["POSITION"])
-    colors = found["COLOR_0"][:, :3]
-    scale = 65535 if colors.dtype == np.uint16 else 1
-    np.testing.assert_allclose(colors / scale, expected[at, :3], atol=1 / 65535)  # a step of 16 bits
-
-
-def gltf_options():
-    """The settings of Blender's glTF exporter, which differ from version to version."""
-    return bpy.ops.export_scene.gltf.get_rna_type().properties
-
-
-# ---- Colors, copies
-
-
-def test_new_colors_are_those_of_the_carried_values():
-    target = box()
-    bake("convexity")
-    looks = bpy.context.scene.paradesc_looks
-    looks.color_map = "viridis"
-    assert bpy.ops.paradesc.recolor() == {"FINISHED"}
-    values, carrier = shown(target, "convexity"), carrying.carrier_of(target)
-    colors = color_maps.colors(values, recolor.stored_range(carrier, "convexity"))
-    np.testing.assert_array_equal(shown(target, "convexity_color"), color_maps.linear_rgba(colors).astype(np.float32))
-    assert np.ptp(shown(target, "convexity_color")[:, 0]) > 0.1  # they are no greys of one kind
-    assert recolor.stored_range(target.data, "convexity") == recolor.stored_range(carrier, "convexity")
-
-
-def test_a_copy_on_request_has_all_masks_is_selected_and_hides_the_original():
-    target = box()
-    bake("convexity")
-    bake("cavity")
-    expected = {name: shown(target, name) for name in carrying.carried_names(target)}
-    target.location.x = 3.0
-    target.data.materials.append(bpy.data.materials.new("of the mesh"))
-    target.material_slots[0].link, target.material_slots[0].material = "OBJECT", bpy.data.materials.new("own")
-    assert bpy.ops.paradesc.make_result_object() == {"FINISHED"}
-    copy = bpy.context.view_layer.objects.active
-    assert copy.name == "box_paradesc"
-    assert list(bpy.context.view_layer.objects.selected) == [copy]
-    assert (target.hide_get(), target.hide_render, copy.hide_get(), copy.hide_render) == (True, True, False, False)
-    assert len(copy.modifiers) == 0
-    assert copy.location.x == 3.0
-    assert copy.active_material.name == "own"
-    for name, values in expected.items():
-        np.testing.assert_array_equal(attribute_values(copy.data, name), values)
-    assert recolor.baked_names(copy.data) == ["cavity", "convexity"]
-    assert recolor.shown_name(copy.data) == "cavity"
-    bake("cavity")  # it is an object like any other
-    assert recolor.baked_names(copy.data) == ["cavity", "convexity"]
-
-
-def test_a_copy_is_made_in_object_mode_of_what_was_baked():
-    box()
-    assert not bpy.ops.paradesc.make_result_object.poll()
-    bake("convexity")
-    subdivide()
-    bpy.ops.object.mode_set(mode="EDIT")
-    assert not bpy.ops.paradesc.make_result_object.poll()

@@ -102,6 +102,23 @@ def test_gltf_shows_the_descriptor_that_our_material_shows(baked, tmp_path):
     np.testing.assert_allclose(values[:, :3], colors[place, :3], atol=1e-4)
 
 
+@pytest.mark.skipif(bpy.app.version < (4, 2, 0), reason="since Blender 4.2")
+@pytest.mark.parametrize("every", [True, False])
+def test_gltf_carries_every_mask_or_the_shown_one_alone_as_its_exporter_is_told(baked, tmp_path, every):
+    baked.data.materials.append(bpy.data.materials.new("own"))
+    enable("io_scene_gltf2")
+    options = {"export_vertex_color": "ACTIVE", "export_all_vertex_colors": every}
+    with scene_io.numpy_bool():
+        bpy.ops.export_scene.gltf(filepath=str(tmp_path / "a.glb"), **options)
+    found = primitive(tmp_path / "a.glb")
+    count = len(baked.data.color_attributes) if every else 1
+    assert [name for name in found if name.startswith("COLOR")] == [f"COLOR_{number}" for number in range(count)]
+    colors = attribute_values(baked.data, baked.data.color_attributes.active_color.name)
+    place = nearest(positions(baked.data), found["POSITION"][:, [0, 2, 1]] * (1, -1, 1))
+    shown = found["COLOR_0"] / (1 if found["COLOR_0"].dtype.kind == "f" else np.iinfo(found["COLOR_0"].dtype).max)
+    np.testing.assert_allclose(shown[:, :3], colors[place, :3], atol=1e-4)
+
+
 @needs_new
 def test_ply_carries_values_and_the_active_color(baked, tmp_path):
     source = positions(baked.data)

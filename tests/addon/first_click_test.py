@@ -81,6 +81,43 @@ def test_two_planes_that_hardly_bend_are_one_face_and_a_cylinder_has_none():
     assert (measures.flat_faces(round_one, measures.at_corners(round_one), 0.05) == -1).all()
 
 
+def tube(sides, steps=8):
+    """The sides of a prism around a circle of radius 1, from y = 0 to 1, in steps x steps quads each."""
+    turns = np.repeat(np.arange(sides), steps) + np.tile(np.arange(steps) / steps, sides)
+    low, share = np.floor(turns), turns % 1
+    corners = [np.stack([np.sin(2 * np.pi * side / sides), np.cos(2 * np.pi * side / sides)]) for side in (low, low + 1)]
+    outline = corners[0] * (1 - share) + corners[1] * share
+    count = sides * steps
+    points = np.stack([np.tile(outline[0], steps + 1), np.repeat(np.arange(steps + 1) / steps, count), np.tile(outline[1], steps + 1)], axis=1)
+    here = np.arange(count * steps).reshape(steps, count)
+    quads = np.stack([here, np.roll(here, -1, axis=1), np.roll(here, -1, axis=1) + count, here + count], axis=2).reshape(-1, 4)
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    return measures.Surface(points, triangles, triangles)
+
+
+@pytest.mark.parametrize(("sides", "flat"), [(4, 4), (6, 6), (8, 0), (12, 0)])
+def test_sides_of_a_cylinder_are_no_flat_faces_and_those_of_a_box_are(sides, flat):
+    surface = tube(sides)
+    faces = measures.flat_faces(surface, measures.evenly(surface, 4000), 0.05)
+    assert len(np.unique(faces[faces >= 0])) == flat
+
+
+def test_a_face_between_two_that_bend_back_and_forth_is_flat():
+    surface = floor_and_wall(bend=30.0)
+    far = surface.positions[:, 0].max()
+    given = surface.positions[surface.triangles]
+    turned = given[:, ::-1] * [-1, 1, -1] + [2 * far, 0, 2 * surface.positions[:, 2].max()]  # by half a turn about the wall's end
+    corners = np.concatenate([given, turned]).reshape(-1, 3)
+    whole = measures.Surface(corners, *(2 * [np.arange(len(corners)).reshape(-1, 3)]))
+    faces = measures.flat_faces(whole, measures.at_corners(whole), 0.1)
+    assert len(np.unique(faces[faces >= 0])) == 3
+
+
+def test_a_face_that_is_seen_at_one_vertex_alone_tells_nothing():
+    surface = floor_and_wall(steps=2)  # of each square, one vertex lies in the middle, where six triangles meet
+    assert (measures.flat_faces(surface, measures.at_corners(surface), 0.2) == -1).all()
+
+
 def test_the_brightest_flat_face_counts():
     surface = floor_and_wall()
     points = measures.at_corners(surface)

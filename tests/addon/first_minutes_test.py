@@ -243,9 +243,8 @@ def drawn_lines(target):
     layout = SimpleNamespace(column=lambda **_: layout, label=lambda text, **_: lines.append(text))
     widget = SimpleNamespace(widget=SimpleNamespace(points=11))
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[widget])
-    panel.draw_live(
-        SimpleNamespace(active_object=target, region=SimpleNamespace(width=400), preferences=preferences), layout
-    )
+    place = {"active_object": target, "selected_objects": [target]}
+    panel.draw_live(SimpleNamespace(**place, region=SimpleNamespace(width=400), preferences=preferences), layout)
     return lines
 
 

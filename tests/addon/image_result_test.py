@@ -9,11 +9,12 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from image_operator_test import folder, pngs_in, settings  # noqa: E402, F401
 from mathutils import Matrix  # noqa: E402
+from panel_test import drawn_by  # noqa: E402
 from udim_operator_test import SIX, in_tiles  # noqa: E402
 
 from paradesc.bake import image_viewing  # noqa: E402
-from paradesc.scene import image_preview, image_results  # noqa: E402
-from paradesc.ui import image_result  # noqa: E402
+from paradesc.scene import image_preview, image_results, record  # noqa: E402
+from paradesc.ui import image_result, panel, result  # noqa: E402
 from scene import add_sphere, saved_scene  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -60,6 +61,48 @@ def test_images_are_named_by_what_they_hold_and_the_telling_one_is_shown(folder,
     made = baked()
     assert [made.label(image) for image in made.images] == ["Cavity", "Edge Wear"]
     assert seen == ["ball_edges.png"]
+
+
+def drawn_lines():
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    return " ".join(shown["label"]), shown["operator"]
+
+
+@pytest.mark.parametrize(("levels", "words"), [({}, "black"), ({"invert": True}, "white")])
+def test_an_image_that_is_black_or_white_has_buttons_for_other_radii(folder, settings, levels, words):  # noqa: F811
+    settings.descriptors, settings.radius_percent = {"cavity"}, 4.0  # a sphere has none
+    for name, value in levels.items():
+        setattr(bpy.context.scene.paradesc_looks, name, value)
+    made = baked()
+    assert max(made.extremes(made.images[0]).values()) == 1.0
+    assert made.percent == pytest.approx(4.0, rel=1e-5)
+    said, buttons = drawn_lines()
+    assert f"Most of it is {words}" in said
+    assert {"Finer", "Broader"} <= set(buttons)
+    fit, radius = result.next_radius(settings.radius_fit, made.percent, 1)
+    bpy.ops.paradesc.bake_image(mask="cavity", fit=fit, radius=radius)  # what Broader does
+    assert image_results.found(ball()).percent == pytest.approx(8.0, rel=1e-5)
+
+
+def test_an_image_that_tells_something_and_one_of_no_mask_say_nothing(folder, settings):  # noqa: F811
+    settings.descriptors = {"convexity"}
+    bpy.context.scene.paradesc_looks.contrast = -0.8  # a sphere is one edge, which is grey then
+    made = baked()
+    assert {*made.extremes(made.images[0])} == {"dark", "bright"}
+    assert "Most of it" not in drawn_lines()[0]
+    settings.descriptors = {"mean_curvature"}
+    made = baked()
+    assert made.extremes(made.images[0]) == {}
+
+
+def test_the_record_of_an_earlier_version_has_no_extremes(folder):  # noqa: F811
+    baked()
+    stored = ball().data[record.PROPERTY][image_results.MEMBER]
+    for name in ("percent", "drawn"):
+        del stored[name]
+    made = image_results.found(ball())
+    assert (made.percent, made.drawn) == (0.0, {})
+    assert "Most of it" not in drawn_lines()[0]
 
 
 def test_a_packed_image_is_named_by_all_that_it_holds(folder, settings):  # noqa: F811
@@ -116,10 +159,6 @@ def test_tiles_are_not_shown_and_one_sentence_says_so(folder):  # noqa: F811
 
 
 def test_tiles_have_no_button_to_show_them(folder):  # noqa: F811
-    from panel_test import drawn_by
-
-    from paradesc.ui import panel
-
     in_tiles(ball())
     baked()
     buttons = drawn_by(panel.PARADESC_PT_bake)["operator"]
@@ -136,6 +175,23 @@ def test_packed_images_are_saved_as_the_bake_made_them(settings, tmp_path):  # n
     with pytest.raises(RuntimeError, match="is there already"):
         bpy.ops.paradesc.save_images(directory=str(tmp_path))
     assert (tmp_path / "ball_curvature.png").read_bytes() == b"mine"
+
+
+def test_without_a_folder_packed_images_go_beside_the_blend_never_where_blender_was_started(
+    settings,  # noqa: F811
+    tmp_path,
+    monkeypatch,
+):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    baked()
+    for words in ({}, {"directory": "//below"}):
+        with pytest.raises(RuntimeError, match=r"Save the [.]blend first"):
+            bpy.ops.paradesc.save_images(**words)
+    saved_scene(tmp_path / "scene.blend")
+    assert bpy.ops.paradesc.save_images() == {"FINISHED"}
+    assert (tmp_path / "ball_curvature.png").is_file()
+    assert pngs_in(tmp_path / "elsewhere") == []
 
 
 def test_packed_tiles_are_saved_one_by_one(settings, tmp_path):  # noqa: F811
@@ -169,10 +225,6 @@ def test_a_mesh_without_images_has_no_line_and_grey_buttons():
 
 
 def test_the_line_has_its_buttons_and_says_what_happened_to_the_map(settings):  # noqa: F811
-    from panel_test import drawn_by
-
-    from paradesc.ui import panel
-
     ball().data.uv_layers.remove(ball().data.uv_layers[0])
     made = baked()
     found = drawn_by(panel.PARADESC_PT_bake)

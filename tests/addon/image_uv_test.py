@@ -11,7 +11,7 @@ from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import InputError, draw_uv_image  # noqa: E402
 from paradesc.core import uv_faults  # noqa: E402
 from paradesc.scene import image_results, mesh_io, unwrap, uv_maps  # noqa: E402
-from scene import add_sphere, cancel_at, fingerprint, saved_scene, small_bake  # noqa: E402
+from scene import add_sphere, cancel_at, fingerprint, saved_scene, select, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 NAME = uv_maps.NAME
@@ -144,6 +144,31 @@ def test_a_bake_that_fails_takes_its_map_away(settings, monkeypatch):
     with pytest.raises(RuntimeError, match="It is full"):
         bpy.ops.paradesc.bake_image()
     assert map_names() == []
+
+
+@pytest.mark.parametrize("failing", ["both", "first"])
+def test_objects_that_share_a_mesh_keep_the_map_that_one_of_them_needs(settings, monkeypatch, failing):
+    low, other = ball(), bpy.data.objects.new("other_low", ball().data)
+    low.name = "ball_low"
+    bpy.context.collection.objects.link(other)
+    highs = [add_sphere(name, uv_map=False) for name in ("ball_high", "other_high")]
+    select(*highs, other, low)
+    bpy.context.view_layer.update()
+    run = image_batch.image_files.run_onto
+
+    def fails(stem, *words, **more):
+        if failing == "both" or stem == "ball_low":
+            raise InputError("no")
+        return run(stem, *words, **more)
+
+    monkeypatch.setattr(image_batch.image_files, "run_onto", fails)
+    if failing == "both":
+        with pytest.raises(RuntimeError, match="no"):
+            bpy.ops.paradesc.bake_onto()
+        assert low.data.uv_layers.keys() == []
+    else:
+        assert bpy.ops.paradesc.bake_onto() == {"FINISHED"}
+        assert low.data.uv_layers.keys() == [image_results.found(other).uv_map] == [NAME]
 
 
 def test_a_mesh_that_cannot_be_read_over_its_new_map_loses_it(settings, monkeypatch):

@@ -9,6 +9,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.scene import record, viewports  # noqa: E402
+from paradesc.settings import looks as settings_looks  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, select  # noqa: E402
 
@@ -128,6 +129,48 @@ def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(loo
     assert spans()[0] == spans()[1]
 
 
+def test_masks_that_are_not_shown_get_the_same_scale_and_lose_it_too_while_levels_are_of_the_shown_one(looks):
+    one, other = bumpy("one", 0.1), bumpy("other", 0.6)
+    select(one, other)
+    bpy.context.scene.paradesc.descriptors = {"ambient_openness", NAME}
+    bpy.ops.paradesc.bake()
+    bpy.ops.paradesc.show(name=NAME)
+
+    def spans(name):
+        return [tuple(record.read(item.data)["ranges"][name]) for item in (one, other)]
+
+    own = {name: spans(name) for name in ("ambient_openness", NAME)}
+    assert all(len(set(found)) == 2 for found in own.values())
+    looks.same_scale = True
+    assert all(len(set(spans(name))) == 1 for name in own)
+    looks.same_scale = False
+    assert {name: spans(name) for name in own} == own
+    looks.contrast = 0.5
+    drawn = record.read(one.data)["drawn"]
+    assert [drawn[name]["contrast"] for name in own] == [0.0, 0.5]
+
+
+def test_a_listener_hears_a_change_once_however_often_the_add_on_was_enabled(monkeypatch):
+    monkeypatch.setattr(settings_looks, "LISTENERS", [])
+    heard = []
+
+    def imported():
+        """The listener of one import."""
+
+        def listener(scene, setting):
+            heard.append((scene.name, setting))
+
+        return listener
+
+    for _ in range(2):
+        settings_looks.listen(imported())
+    bpy.context.scene.paradesc_looks.invert = True
+    assert heard == [("Scene", "invert")]
+    settings_looks.ignore(imported())
+    settings_looks.ignore(imported())
+    assert settings_looks.LISTENERS == []
+
+
 def test_meshes_with_several_fitted_radii_have_one_range_for_each_descriptor(looks):
     settings = bpy.context.scene.paradesc
     settings.radius_fit, settings.more_radii, looks.same_scale = "broad", "7", True
@@ -183,12 +226,11 @@ def test_a_range_of_one_side_acts_at_once_and_is_as_a_bake_makes_it(looks):
 def test_resetting_research_settings_recolors_what_is_shown(looks):
     target = bumpy()
     bake(target)
+    looks.color_map = "blue-red"
     usual = greys(target)
-    looks.span, looks.percentile = "percentile", 20.0
-    asked = greys(target)
+    looks.neutral, looks.use_neutral = 0.7, True
+    assert not np.allclose(greys(target), usual)
     assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
-    assert not np.allclose(greys(target), asked)
-    looks.span = "auto"
     assert greys(target) == pytest.approx(usual)
 
 

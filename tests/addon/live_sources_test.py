@@ -7,9 +7,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import count_computations, switch, values  # noqa: E402
 from paradesc.animation import frames, handlers  # noqa: E402
-from paradesc.core import fitting  # noqa: E402
+from paradesc.core import choices, fitting  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import record  # noqa: E402
+from paradesc.settings.animation import frame_source  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -64,6 +65,31 @@ def test_another_source_is_followed(cage):
     handlers.refresh_window([cage])
     assert session.has_settings(bpy.context.scene)
     assert np.nanmax(np.abs(values(cage, MASK) - shown)) > 0.05
+
+
+@pytest.mark.parametrize("unit", ["diagonal", "mean-edge", "absolute"])
+def test_the_panel_shows_the_radius_that_live_has_fitted_as_a_bake_does(cage, monkeypatch, unit):
+    settings = bpy.context.scene.paradesc
+    settings.radius_unit, settings.radius_fit = unit, "medium"
+    member = choices.radius_member(settings)
+    bake()
+    baked = getattr(settings, member)
+    setattr(settings, member, 2.0 * baked)  # which counts as typed
+    settings.radius_fit = "medium"
+    assert switch(cage) == ""
+    assert getattr(settings, member) == pytest.approx(baked, rel=1e-5)
+    assert settings.radius_fit == "medium"
+    done = count_computations(monkeypatch)
+    bpy.context.view_layer.update()
+    handlers.STATE.edited_at = 0.0
+    handlers.follow_edits()
+    assert not done, "what is shown was taken for another setting"
+
+
+def test_a_typed_radius_stays_when_live_is_switched_on(cage):
+    assert switch(cage) == ""
+    assert bpy.context.scene.paradesc.radius_percent == 8.0
+    assert bpy.context.scene.paradesc.radius_fit == "typed"
 
 
 def test_the_fitted_radius_is_that_of_a_bake_and_is_not_fitted_to_every_frame(cage, monkeypatch):
@@ -258,14 +284,23 @@ def test_live_shows_its_colors_beside_others(cage):
 def test_frames_are_those_of_the_source_that_is_chosen_for_all(cage):
     scene = bpy.context.scene
     group = scene.paradesc_animation
-    assert frames.source_of(scene, cage) == "evaluated"
+    assert frames.source_of(cage, frame_source(group)) == "evaluated"
     group.source = "original"
-    assert frames.source_of(scene, cage) == "deformed"
+    assert frames.source_of(cage, frame_source(group)) == "deformed"
     group.source = "auto"
     cage.modifiers.new("fewer", "DECIMATE").ratio = 0.5
-    assert frames.source_of(scene, cage) == "deformed", "frames of other vertices cannot be played"
+    assert frames.source_of(cage, frame_source(group)) == "deformed", "frames of other vertices cannot be played"
     group.frame_source = "evaluated"
-    assert frames.source_of(scene, cage) == "evaluated", "an older file has chosen it"
+    assert frames.source_of(cage, frame_source(group)) == "evaluated", "an older file has chosen it"
+
+
+def test_the_menu_of_the_frame_source_shows_what_acts_before_and_after_a_choice():
+    group = bpy.context.scene.paradesc_animation
+    for source, acts in (("original", "deformed"), ("deformed", "deformed"), ("evaluated", "evaluated")):
+        group.source = source
+        assert (group.frame_source, frame_source(group)) == ("source", acts)
+    group.frame_source = "deformed"
+    assert (group.frame_source, frame_source(group)) == ("deformed", "deformed")
 
 
 def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):

@@ -12,10 +12,9 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-import paradesc  # noqa: E402
 from paradesc.files import png  # noqa: E402
 from scene import add_sphere  # noqa: E402
-from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
+from window import baking, begin, prepare, say, screen, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
 SCALES = (1.0, 1.5, 2.0)
 LANGUAGES = ("en_US", "de_DE", "ja_JP", "zh_CN", "zh_HANS", "fr_FR")  # we have no French; one name of Chinese is older
@@ -23,16 +22,6 @@ LANGUAGES = ("en_US", "de_DE", "ja_JP", "zh_CN", "zh_HANS", "fr_FR")  # we have 
 TAB_BELOW_TOP = 175
 # Higher pictures go on in another column.
 MOST_PIXELS = 1300
-
-
-def open_all() -> None:
-    """Opens the sub-panels, which are closed for those who have just installed the add-on."""
-    for module in paradesc.modules():
-        for cls in module.classes:
-            if issubclass(cls, bpy.types.Panel) and hasattr(cls, "bl_parent_id"):
-                bpy.utils.unregister_class(cls)
-                cls.bl_options = set()
-                bpy.utils.register_class(cls)
 
 
 def sidebar() -> bpy.types.Region:
@@ -72,7 +61,7 @@ def steps(target: bpy.types.Object, folder: Path) -> Iterator[None]:
     settings.radius_percent, settings.samples, settings.descriptors = 0.3, 16, {"cavity", "harris"}
     start_bake()
     yield from wait_for(lambda: not baking())
-    open_all()
+    screen.open_panels()
     preferences.system.use_region_overlap = False
     with bpy.context.temp_override(**view_context()):
         bpy.ops.screen.screen_full_area(use_hide_panels=True)

@@ -15,7 +15,7 @@ from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.scene import large_faces, mesh_io, record  # noqa: E402
 from paradesc.settings import preferences, research  # noqa: E402
-from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, result, settings_panel  # noqa: E402
+from paradesc.ui import drawing, image_panel, live_panel, looks_panel, panel, report_panel, result, settings_panel  # noqa: E402
 from scene import add_sphere, select, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
@@ -40,7 +40,7 @@ class Notes:
     """A layout and all its parts, which notes what is drawn, by kind."""
 
     def __init__(self, drawn=None):
-        kinds = ("label", "prop", "setting", "operator", "menu", "progress")
+        kinds = ("label", "prop", "setting", "operator", "menu")
         self.drawn = {kind: [] for kind in kinds} if drawn is None else drawn
 
     def column(self, **_options):
@@ -76,9 +76,6 @@ class Notes:
         assert hasattr(bpy.types, name), name
         self.drawn["menu"].append(text)
 
-    def progress(self, **options):
-        self.drawn["progress"].append(options["factor"])
-
 
 def context():
     """The context that a panel gets."""
@@ -86,6 +83,7 @@ def context():
         scene=bpy.context.scene,
         view_layer=bpy.context.view_layer,
         screen=None,
+        window_manager=bpy.context.window_manager,
         active_object=bpy.context.active_object,
         selected_objects=bpy.context.selected_objects,
         preferences=SimpleNamespace(
@@ -185,6 +183,15 @@ def test_research_settings_that_act_are_said_and_go_by_one_click(monkeypatch):
     assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
     assert settings.seed == 0
     assert "is set" not in " ".join(drawn_by(panel.PARADESC_PT_bake)["label"])
+
+
+def test_the_number_of_a_range_by_percentiles_is_beside_it_and_no_research_setting():
+    looks = bpy.context.scene.paradesc_looks
+    looks.percentile = 5.0
+    assert research.changed(bpy.context.scene) == []
+    assert "percentile" not in drawn_by(looks_panel.PARADESC_PT_looks)["prop"]
+    looks.span = "percentile"
+    assert "percentile" in drawn_by(looks_panel.PARADESC_PT_looks)["prop"]
 
 
 def test_every_setting_is_in_the_panel(monkeypatch):
@@ -369,7 +376,8 @@ def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch
     job = batch.Batch(bpy.context) if kind == "bake" else FrameBatch(bpy.context, range(1, 3), tmp_path, beside=True)
     monkeypatch.setattr(modal.ModalJob, "running", job)
     shown = drawn_by(panel.PARADESC_PT_bake)
-    assert shown["progress"] == [0.0]
+    assert "paradesc_progress" in shown["prop"]
+    assert bpy.context.window_manager.paradesc_progress == 0.0
     words = " ".join(shown["label"]).removeprefix("Mean Curvature ")
     frame = {"bake": "", "frames": "frame 1 of 1 to 2, "}[kind]
     assert words == f"Reading the mesh, {frame}0 %"

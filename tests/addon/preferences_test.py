@@ -85,7 +85,7 @@ def test_research_settings_are_hidden_until_the_preference_is_on(preferences):
 def test_a_frame_source_acts_as_soon_as_it_is_chosen():
     group = bpy.context.scene.paradesc_animation
     assert research.changed(bpy.context.scene) == []
-    group.frame_source = "deformed"  # which is what its menu shows before, too
+    group.frame_source = "deformed"
     assert [name for _, name in research.changed(bpy.context.scene)] == ["frame_source"]
     assert bpy.ops.paradesc.reset_research() == {"FINISHED"}
     assert research.changed(bpy.context.scene) == []

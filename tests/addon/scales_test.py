@@ -91,9 +91,6 @@ class Layout:
         item = member.enum_items.get(getattr(group, name)) if member.type == "ENUM" else None
         row.text(item.name if item is not None else "0000", beside=1 if item is not None else 0)
 
-    def progress(self, **_options):
-        """Has no text that could be cut."""
-
     def cut(self, width, unit):
         """The texts that are wider than their part of a width; unit: pixels at the scale 1."""
         small = [isinstance(part, tuple) and not part[0] for part in self.parts]
@@ -139,6 +136,7 @@ def context():
         region=SimpleNamespace(width=scale * DEFAULT_WIDTH),
         space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX", light="FLAT")),
         screen=None,
+        window_manager=bpy.context.window_manager,
     )
 
 

@@ -38,7 +38,7 @@ CHOICES = {
     "Scene.paradesc.image_format": [".exr", ".png"],
     "Scene.paradesc.image_outside": ["neutral", "transparent"],
     "Scene.paradesc_animation.source": ["original", "deformed", "evaluated"],
-    "Scene.paradesc_animation.frame_source": ["deformed", "evaluated"],
+    "Scene.paradesc_animation.frame_source": ["deformed", "evaluated", "source"],
     "Scene.paradesc_live.missing": ["HOLD", "COMPUTE"],
     "Scene.paradesc_looks.color_map": [
         "auto", "viridis", "heat", "blue-yellow", "grey", "blue-red", "purple-green", "blue-black-orange", "cavity",

@@ -120,6 +120,33 @@ def test_what_earlier_versions_kept_of_each_viewport_is_restored():
     assert screen.lights() == ["STUDIO"] * 3
 
 
+def test_a_viewport_that_was_split_off_gets_back_what_the_other_one_showed():
+    screen = Screen()
+    screen.areas[3] = screen.area("VIEW_3D", "VERTEX", light="FLAT")  # somebody's own
+    for _, shading in viewports.shadings(screen):
+        viewports.show_attributes(screen, shading)
+    screen.areas.append(screen.area("VIEW_3D", "VERTEX", light="FLAT"))  # Blender adds it at the end, as a copy
+    assert screen.lights() == ["FLAT"] * 4
+    assert viewports.can_restore(SimpleNamespace(screen=screen))
+    viewports.restore(screen)
+    assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX", "MATERIAL"]
+    assert screen.lights() == ["STUDIO", "STUDIO", "FLAT", "STUDIO"]
+    assert not screen
+
+
+def test_a_viewport_that_was_split_off_is_known_at_the_next_bake_and_one_that_is_new_stays():
+    screen = Screen()
+    for _, shading in viewports.shadings(screen):
+        viewports.show_attributes(screen, shading)
+    screen.areas.append(screen.area("VIEW_3D", "VERTEX", light="FLAT"))
+    screen.areas.append(screen.area("VIEW_3D", "SINGLE", light="MATCAP"))
+    for _, shading in viewports.shadings(screen):
+        viewports.show_attributes(screen, shading)
+    viewports.restore(screen)
+    assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX", "MATERIAL", "SINGLE"]
+    assert screen.lights()[-2:] == ["STUDIO", "MATCAP"]
+
+
 def test_undo_of_something_else_leaves_materials_that_are_shown(registered):
     target = add_sphere("ball")
     material = bpy.data.materials.new("worn")
@@ -156,5 +183,7 @@ def test_every_viewport_that_showed_materials_for_a_moment_is_solid_again(monkey
     viewports.reveal_materials(SimpleNamespace(screen=screen))
     shading[0].type = "SOLID"  # somebody opens another one, and wear is set anew
     viewports.reveal_materials(SimpleNamespace(screen=screen))
+    screen.areas.append(screen.area("VIEW_3D", "MATERIAL"))  # split off from the first one
+    screen.areas[-1].spaces.active.shading.type = "MATERIAL"
     viewports.restore(screen)
-    assert [one.type for one in shading] == ["SOLID"] * 3
+    assert [one.type for _, one in viewports.shadings(screen)] == ["SOLID"] * 4

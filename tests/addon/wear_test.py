@@ -6,10 +6,8 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.scene.node_groups import input_of  # noqa: E402
-from paradesc.settings import asset_library  # noqa: E402
-from paradesc.show import assets, passing, tuned, wear  # noqa: E402
-from scene import add_sphere, fingerprint, select  # noqa: E402
-from shapes import ADDON  # noqa: E402
+from paradesc.show import assets, passing, wear  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint, select  # noqa: E402
 from writers import node_tree  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -130,6 +128,19 @@ def test_masks_are_grey_whatever_the_color_map_is(target):
     assert np.abs(colors - colors[:, :1]).max() < 1e-6
 
 
+def test_masks_have_the_levels_of_the_panel_from_the_beginning(target):
+    user_material(target=target)
+    looks = bpy.context.scene.paradesc_looks
+    looks.invert = True
+    add_wear()
+    inverted = attribute_values(target.data, "convexity_color").copy()
+    bpy.ops.paradesc.recolor(every=True)
+    np.testing.assert_allclose(attribute_values(target.data, "convexity_color"), inverted, atol=1e-6)
+    looks.invert = False
+    bpy.ops.paradesc.recolor(every=True)
+    assert np.abs(attribute_values(target.data, "convexity_color") - inverted).max() > 0.5
+
+
 def test_materials_that_objects_share_have_one_group(target):
     material = user_material(target=target)
     other = add_sphere("other", steps=8)
@@ -213,6 +224,27 @@ def test_objects_without_a_material_share_painted_metal_which_goes_again(target)
     assert before[0][1] == fingerprint(target)[1]
 
 
+@pytest.mark.parametrize("users", [True, False])
+def test_only_a_slot_that_wear_has_made_goes_with_it(target, users):
+    if users:
+        target.data.materials.append(None)
+    for _ in range(2):  # the second time the mesh has had ours before
+        add_wear()
+        assert target.active_material.name == "Painted Metal"
+        bpy.ops.paradesc.remove_wear()
+        assert [slot.material for slot in target.material_slots] == [None] * users
+    assert wear.OWN_SLOT not in target.data
+
+
+def test_a_slot_that_somebody_has_put_in_place_of_ours_stays(target):
+    add_wear()
+    target.data.materials.clear()
+    target.data.materials.append(None)
+    add_wear()
+    bpy.ops.paradesc.remove_wear()
+    assert len(target.material_slots) == 1
+
+
 @pytest.mark.parametrize(("look", "name"), wear.LOOKS.items())
 def test_an_object_without_a_material_gets_the_look_that_was_chosen(target, look, name):
     add_wear(look=look)
@@ -226,74 +258,6 @@ def test_a_look_that_was_tuned_stays(target):
     target.active_material.node_tree.nodes[wear.GROUP].inputs["Dirt Amount"].default_value = 0.125
     bpy.ops.paradesc.remove_wear()
     assert target.active_material.name == "Painted Metal"
-
-
-# ---- Faces that are too large for masks at vertices
-
-
-def crate(name="crate"):
-    """A cube of six faces."""
-    bpy.context.scene.paradesc.texels = 64
-    return add_sphere(name, steps=1)
-
-
-def sources(material):
-    """The kinds of the nodes that give the masks."""
-    (node,) = wear_nodes(material)
-    return {name: node.inputs[name].links[0].from_node.type for name in wear.MASKS}
-
-
-def test_a_crate_wears_by_images_which_go_again():
-    target = crate()
-    material = user_material(target=target)
-    before = everything_in(material)
-    add_wear()
-    assert sources(material) == {"Cavity": "TEX_IMAGE", "Edges": "TEX_IMAGE"}
-    assert wear_nodes(material)[0].inputs["Base Color"].links[0].from_node.image is None  # the user's own
-    once = everything_in(material)
-    add_wear()
-    assert everything_in(material) == once
-    bpy.ops.paradesc.remove_wear()
-    assert everything_in(material) == before
-
-
-def test_crates_without_a_material_have_one_each_as_their_images_differ():
-    first, second = crate("first"), crate("second")
-    select(first, second)
-    add_wear(look="OLD_STONE")
-    assert first.active_material != second.active_material
-    for target in (first, second):
-        node = wear_nodes(target.active_material)[0].inputs["Edges"].links[0].from_node
-        assert node.image.name.startswith(target.name)
-    bpy.ops.paradesc.remove_wear()
-    assert len(bpy.data.materials) == 0
-
-
-def test_a_fine_mesh_never_gets_the_look_with_images_of_a_crate(target):
-    box = crate()
-    select(box)
-    add_wear()
-    select(target)
-    add_wear()
-    assert target.active_material != box.active_material
-    assert sources(target.active_material)["Edges"] == "ATTRIBUTE"
-
-
-def test_a_material_that_crates_share_has_masks_at_vertices():
-    first, second = crate("first"), crate("second")
-    material = user_material(target=first)
-    second.data.materials.append(material)
-    select(first, second)
-    add_wear()
-    assert sources(material) == {"Cavity": "ATTRIBUTE", "Edges": "ATTRIBUTE"}
-
-
-def test_a_crate_beside_a_fine_mesh_alone_gets_images(target):
-    box = crate()
-    materials = user_material("of the sphere", target), user_material("of the crate", box)
-    select(target, box)
-    add_wear()
-    assert [sources(material)["Edges"] for material in materials] == ["ATTRIBUTE", "TEX_IMAGE"]
 
 
 # ---- Looks and tuning
@@ -424,135 +388,3 @@ def test_there_is_nothing_to_remove_where_nothing_wears(target):
     user_material(target=target)
     with pytest.raises(RuntimeError, match="has wear"):
         bpy.ops.paradesc.remove_wear()
-
-
-# ---- Values
-
-
-def baked(target, material, cavity, edges, output="Color", **inputs):
-    """(texels, 3) what the wear of a material gives where the masks have these values, by a bake of Cycles."""
-    for name, value in (("cavity_color", cavity), ("convexity_color", edges)):
-        content = np.tile(np.array([value, value, value, 1.0], np.float32), len(target.data.vertices))
-        target.data.attributes[name].data.foreach_set("color", content)
-    tree, (node,) = material.node_tree, wear_nodes(material)
-    for name, value in inputs.items():
-        node.inputs[name.replace("_", " ")].default_value = value
-    emission = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(node.outputs[output], emission.inputs["Color"])
-    image = tree.nodes.new("ShaderNodeTexImage")
-    image.image = bpy.data.images.new("baked", SIDE, SIDE, float_buffer=True)
-    tree.nodes.active = image
-    tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 4
-    scene.cycles.use_denoising = False
-    scene.render.bake.margin, scene.render.bake.margin_type = SIDE, "EXTEND"
-    bpy.ops.object.bake(type="EMIT")
-    return np.array(image.image.pixels[:], np.float32).reshape(-1, 4)[:, :3]
-
-
-@pytest.mark.parametrize(
-    ("cavity", "edges", "source"),
-    [(0.0, 0.0, "Base Color"), (1.0, 0.0, "Dirt Color"), (0.0, 1.0, "Edge Color")],
-    ids=["flat", "hollow", "edge"],
-)
-def test_hollows_have_the_color_of_dirt_and_edges_that_of_wear(target, cavity, edges, source):
-    material = bpy.data.materials.new("paint")
-    material.use_nodes = True
-    shader_of(material).inputs["Base Color"].default_value = PAINT
-    target.data.materials.append(material)
-    add_wear(look="OLD_STONE")
-    whole = {"Dirt_Amount": 1.0, "Edge_Amount": 1.0, "Noise_Breakup": 0.0}
-    color = baked(target, material, cavity, edges, **whole).mean(axis=0)
-    expected = wear_nodes(material)[0].inputs[source].default_value[:3]
-    np.testing.assert_allclose(color, expected, atol=2e-3)  # the image has half floats at least
-
-
-def test_own_colors_darken_in_hollows_and_brighten_at_edges(target):
-    material = bpy.data.materials.new("paint")
-    material.use_nodes = True
-    shader_of(material).inputs["Base Color"].default_value = PAINT
-    target.data.materials.append(material)
-    add_wear()
-    flat, hollow, edge = (baked(target, material, *masks).mean(axis=0) for masks in ((0, 0), (1, 0), (0, 1)))
-    np.testing.assert_allclose(flat, PAINT[:3], atol=2e-3)
-    assert (hollow < 0.5 * flat).all()
-    assert (edge > flat).all()
-
-
-def test_noise_breaks_up_a_mask_of_one_value(target):
-    material = user_material(target=target)
-    add_wear(look="PAINTED_METAL")
-    found = baked(target, material, 0.0, 0.25, "Wear", Edge_Level=0.25)
-    assert found.min() < 0.2  # a texel is a mean of some noise
-    assert found.max() > 0.8
-    even = baked(target, material, 0.0, 0.25, "Wear", Noise_Breakup=0.0)
-    assert np.ptp(even) < 1e-3  # half floats
-
-
-# ---- Assets
-
-
-def listed():
-    """The assets of the add-on's file, each with kind and name."""
-    with bpy.data.libraries.load(str(asset_library.FILE), assets_only=True) as (there, _):
-        return {("node_groups", name) for name in there.node_groups} | {("materials", name) for name in there.materials}
-
-
-def test_the_file_of_assets_has_looks_and_groups_and_is_small():
-    names = {name for _, name in listed()}
-    assert {*wear.LOOKS.values(), wear.GROUP, "Curvature", "Paradesc Cavity"} <= names
-    assert asset_library.FILE.stat().st_size < 300_000
-
-
-def test_assets_are_described_in_a_catalog_that_is_there_and_have_thumbnails():
-    catalogs = (asset_library.FOLDER / "blender_assets.cats.txt").read_text()
-    with bpy.data.libraries.load(str(asset_library.FILE), link=True, assets_only=True) as (there, wanted):
-        wanted.node_groups, wanted.materials = there.node_groups, there.materials
-    for block in (*wanted.node_groups, *wanted.materials):
-        data = block.asset_data
-        assert data.description.endswith("."), block.name
-        assert len(data.tags) > 0
-        assert f"{data.catalog_id}:Paradesc:" in catalogs
-        preview = block.preview
-        assert preview is not None, block.name
-        assert min(preview.image_size) >= 128
-        pixels = np.array(preview.image_pixels_float[:]).reshape(-1, 4)
-        assert pixels[:, 3].max() > 0.9
-        assert np.ptp(pixels[:, :3]) > 0.2  # no even square
-
-
-def test_curvature_has_the_sockets_of_blenders_own_node():
-    group = assets.append("node_groups", "Curvature")
-    node = bpy.data.materials.new("any")
-    node.use_nodes = True
-    made = node.node_tree.nodes.new("ShaderNodeGroup")
-    made.node_tree = group
-    assert [socket.name for socket in made.inputs] == ["Radius", "Bias"]
-    assert [socket.name for socket in made.outputs] == ["Curvature", "Convexity", "Concavity", "Both"]
-
-
-def test_the_asset_browser_gets_the_folder_only_when_asked_and_loses_it_again():
-    libraries = bpy.context.preferences.filepaths.asset_libraries
-    before = [one.path for one in libraries]
-    assert asset_library.place() < 0
-    assert bpy.ops.paradesc.asset_library() == {"FINISHED"}
-    assert libraries[asset_library.place()].name == "Paradesc"
-    assert bpy.ops.paradesc.asset_library() == {"FINISHED"}
-    assert [one.path for one in libraries] == before
-
-
-@pytest.mark.skipif(bpy.app.version >= (3, 5), reason="Blender 3.4 makes the file of assets")
-def test_the_file_of_assets_is_what_the_script_makes(monkeypatch):
-    monkeypatch.syspath_prepend(str(ADDON / "assets"))
-    import make_assets
-
-    made = {block.name: (block, tuned.fingerprint(block)) for block in make_assets.build()}
-    assert {name for _, name in listed()} == set(made)
-    for kind, name in listed():
-        block, expected = made[name]
-        block.name = "made anew"
-        found = assets.append(kind, name)
-        assert tuned.fingerprint(found) == expected, name
-        getattr(bpy.data, kind).remove(found)
-        block.name = name

@@ -17,11 +17,14 @@ DARK, MOST_DARK = 0.05, 0.80
 MOST_ON_FLAT = 0.05
 # Degrees between the normals of triangles that count as one plane.
 COPLANAR = 1.0
+# Sides of a round surface bend by less than this, and the next one is at least this share as large: a cylinder has eight sides or
+# more, and beside the flat side of a bevel lies a strip.
+ROUND, ALIKE = 50.0, 0.5
 # Points along a crease stand this share of the radius apart, which makes distances at most half a percent too long.
 SPACING = 0.2
 # A point is flat only if it is farther than this many radii from every crease: the engine's samples have a size.
 CLEAR = 1.05
-# A face with fewer such points tells nothing of itself.
+# A face with such points at fewer places tells nothing of itself: a vertex is one place, however many corners meet there.
 FEWEST = 6
 
 
@@ -140,26 +143,46 @@ def measured(values: np.ndarray, points: Points, faces: np.ndarray | None = None
 def flat_faces(surface: Surface, points: Points, radius: float) -> np.ndarray:
     """(n,) the flat face on which each point lies farther than the radius from every edge around it; -1 elsewhere.
 
-    A flat face is what triangles joined by edges of less than 1 degree make, of which none differs by more from their mean.
+    A flat face is what triangles joined by edges of less than 1 degree make, of which none differs by more from their mean. Sides
+    of a round surface are none: a mask has the curvature of the whole there.
     """
     welded = np.unique(np.round(surface.positions / surface.diagonal, 6), axis=0, return_inverse=True)[1].reshape(-1)
     first, second, ends, open_ends = neighbors(welded[surface.triangles], surface.triangles)
     length = np.linalg.norm(surface.crosses, axis=1)
     normals = surface.crosses / np.maximum(length, 1e-300)[:, None]
-    bent = np.einsum("ij,ij->i", normals[first], normals[second]) < np.cos(np.radians(COPLANAR))
+    cosine = np.einsum("ij,ij->i", normals[first], normals[second])
+    bent = cosine < np.cos(np.radians(COPLANAR))
     plane = joined(len(normals), first[~bent], second[~bent])
     mean = np.stack([np.bincount(plane, surface.crosses[:, axis]) for axis in range(3)], axis=1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1), 1e-300)[:, None]
     off = np.einsum("ij,ij->i", normals, mean[plane]) < np.cos(np.radians(COPLANAR))
     sound = np.bincount(plane, off & (length > 0)) == 0
+    little = bent & (cosine > np.cos(np.radians(ROUND)))
+    middles = surface.positions[surface.triangles].mean(axis=1)
+    hollow = np.einsum("ij,ij->i", normals[first], middles[second] - middles[first]) > 0
+    sound &= ~sides_of_round(np.bincount(plane, length), plane[first[little]], plane[second[little]], hollow[little])
     around = along(surface.positions[np.concatenate([ends[bent], open_ends])], SPACING * radius)
     flat = np.flatnonzero(sound[plane][points.triangles])
     flat = flat[distances(points.places(surface)[flat], around) > CLEAR * radius]
     faces = np.full(len(points.triangles), -1)
     faces[flat] = plane[points.triangles[flat]]
-    few = np.bincount(faces[flat], minlength=1) < FEWEST
+    places = np.round(points.places(surface)[flat] / surface.diagonal, 6)
+    apart = np.unique(np.column_stack([faces[flat], places]), axis=0)[:, 0].astype(int)
+    few = np.bincount(apart, minlength=1) < FEWEST
     faces[flat] = np.where(few[faces[flat]], -1, faces[flat])
     return faces
+
+
+def sides_of_round(areas: np.ndarray, first: np.ndarray, second: np.ndarray, hollow: np.ndarray) -> np.ndarray:
+    """(n,) whether a plane goes on as a round surface does: into two others that bend the same way and are as large.
+
+    areas: (n,) of planes; first, second: (m,) those on the two sides of edges that bend little; hollow: (m,) whether upwards.
+    """
+    pairs = np.concatenate([np.stack([first, second, hollow], axis=1), np.stack([second, first, hollow], axis=1)])
+    own, other = pairs[:, 0], pairs[:, 1]
+    beside = np.unique(pairs[(own != other) & (areas[other] >= ALIKE * areas[own])], axis=0)
+    ways = np.bincount(2 * beside[:, 0] + beside[:, 2], minlength=2 * len(areas)).reshape(-1, 2)
+    return (ways > 1).any(axis=1)
 
 
 def neighbors(welded: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

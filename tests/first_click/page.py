@@ -23,8 +23,10 @@ viewport shows; a star marks the one that an artist would look for. The values a
 | dark | share of the area below {measures.DARK} | at most {measures.MOST_DARK:.0%} |
 | flat | of hard surfaces: the brightest flat face; in brackets the share of the area that is flat | at most {measures.MOST_ON_FLAT} |
 
-A flat face is what triangles joined by edges of less than {measures.COPLANAR:g} degree make, if none of them differs by more from their mean. It is
-as bright as the mean of its points that lie farther than {measures.CLEAR} radii from every edge around it, of which it has {measures.FEWEST} at least.
+A flat face is what triangles joined by edges of less than {measures.COPLANAR:g} degree make, if none of them differs by more from their mean. Sides of a
+round surface are none, since a mask has the curvature of the whole there: they go on over two edges, which bend the same way by less
+than {measures.ROUND:g} degrees, into faces at least {measures.ALIKE:g} times as large. A flat face is as bright as the mean of its points that lie farther
+than {measures.CLEAR} radii from every edge around it, at {measures.FEWEST} places at least.
 Vertices are measured at the corners of triangles, images at 200,000 points of the surface.
 
 *Dirty* is Blender's Dirty Vertex Colors at its defaults, inverted for cavities. *Pointiness* is that of the Geometry node, baked by

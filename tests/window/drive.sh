@@ -16,8 +16,8 @@ if [ "${1:-}" = --chroot ]; then
   shift 2
 fi
 groups=("$@")
-[ ${#groups[@]} -gt 0 ] || groups=(start assets hard images live looks wear export large)
-WIDTH=1600 HEIGHT=1000 MINUTES=15
+[ ${#groups[@]} -gt 0 ] || groups=(start missing words assets hard images live looks wear export large)
+WIDTH=1600 HEIGHT=1000 MINUTES=40
 
 rm -rf "$folder/scripts" # of another version
 mkdir -p "$folder/config" "$folder/scripts" "$folder/home"

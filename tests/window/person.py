@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 
@@ -13,7 +14,7 @@ from paradesc.files import png
 sys.path.append(str(Path(__file__).resolve().parents[2] / "addon" / "manual" / "pictures"))
 import screen  # noqa: E402
 
-PATIENCE = 300.0  # seconds that one step may take
+PATIENCE = 900.0  # seconds that one step may take
 # How far apart the places are at which the mouse looks for a button: less than half a row at Blender's own scale.
 ROW = 12
 # Shares of the sidebar's width at which it looks.
@@ -117,6 +118,18 @@ def drag(start: tuple[float, float], shift: tuple[float, float], turns: int = 8)
     yield
 
 
+def preferences() -> Iterator[None]:
+    """Shows the add-on's entry in Blender's preferences, opened, in place of the viewport."""
+    area = viewport()
+    area.type = "PREFERENCES"
+    bpy.context.preferences.active_section = "ADDONS"
+    bpy.context.window_manager.addon_search = "Paradesc"
+    (entry,) = (addon_utils.module_bl_info(module) for module in addon_utils.modules() if module.__name__ == "paradesc")
+    if not entry["show_expanded"]:
+        bpy.ops.preferences.addon_expand(module="paradesc")
+    yield from drawn(10)
+
+
 # ---- Buttons, found by what they do
 
 
@@ -137,19 +150,23 @@ def under_mouse(kind: str) -> str:
     return found
 
 
-def buttons(kind: str = "UI", wanted: str = "") -> Iterator[dict[str, tuple[int, int]]]:
+def buttons(kind: str = "UI", wanted: str = "", columns: tuple[float, ...] = COLUMNS) -> Iterator[dict[str, tuple[int, int]]]:
     """Moves the mouse over a region from its top, and gives the place of each button by what it does.
 
-    wanted: a part of a command or path, at which it stops.
+    wanted: a part of a command or path, at which it stops; columns: the shares of the width at which it looks.
     """
-    there, places = region(kind), {}
+    there, view, places = region(kind), region("WINDOW"), {}
     top = there.y + there.height
+    # Blender still names the button that was pressed last, until the mouse meets another one.
+    yield from move(view.x + view.width // 2, view.y + view.height // 2)
+    last = under_mouse(kind)
     for y in range(top - 30, top - (panel_height() if kind == "UI" else there.height), -ROW):
-        for share in COLUMNS:
+        for share in columns:
             x = there.x + int(share * (there.width - 24))
             yield from move(x, y)
             words = under_mouse(kind)
-            if words:
+            last = last if words == last else ""
+            if words and words != last:
                 places.setdefault(words, (x, y))
                 if wanted and wanted in words:
                     return places

@@ -4,6 +4,8 @@ import json
 import sys
 from pathlib import Path
 
+# Words of Blender's console that are the add-on's fault.
+NOISE = ("Traceback", "ERROR: Image", "pyrna_enum_to_py")
 MARKS = {True: "yes", False: "**no**", None: "look"}
 
 
@@ -15,6 +17,10 @@ def order(point: str) -> tuple[str, int]:
 def main(folder: Path) -> None:
     """Writes points.md."""
     rows = [json.loads(line) for file in sorted(folder.glob("*.jsonl")) for line in file.read_text().splitlines()]
+    for log in sorted(folder.glob("*.log")):
+        noise = [line.strip() for line in log.read_text(errors="replace").splitlines() if any(words in line for words in NOISE)]
+        text = f"the console of {log.stem} says: {noise[0]} ({len(noise)} such lines)" if noise else f"the console of {log.stem} is quiet"
+        rows.append({"point": "C10", "text": text, "good": not noise, "picture": ""})
     lines = ["| point | what is now | as wanted | picture |", "|---|---|---|---|"]
     for row in sorted(rows, key=lambda row: order(row["point"])):
         lines.append(f"| {row['point']} | {row['text']} | {MARKS[row['good']]} | {row['picture']} |")

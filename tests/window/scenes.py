@@ -1,9 +1,13 @@
 """The scenes in which an artist tries things, and what can be asked of them."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import bpy
 import person
+
+if TYPE_CHECKING:
+    from drive import Run
 
 MESHES = person.Path(__file__).resolve().parents[3] / "shared" / "meshes"
 
@@ -88,7 +92,7 @@ def as_found() -> None:
 
 def to_bake() -> Iterator[tuple[str, tuple[int, int]]]:
     """The first button that bakes, as a person sees it: what it does, and where it is."""
-    places = yield from person.buttons(wanted="paradesc.bake")
+    places = yield from person.buttons(wanted="paradesc.bake", columns=person.COLUMNS[:1])  # they are wide
     return next(((words, place) for words, place in places.items() if "paradesc.bake" in words), ("", (0, 0)))
 
 
@@ -105,3 +109,25 @@ def clicked() -> Iterator[str]:
         yield from person.wait(idle)
         yield from person.drawn(3)
     return words.removeprefix("bpy.ops.paradesc.")
+
+
+def rendered(run: "Run", name: str) -> str:
+    """Renders what the viewport sees with Cycles and one lamp; gives the name of the picture."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 24
+    scene.cycles.use_denoising = False  # which not every build has
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 900, 900, 100
+    if scene.camera is None:
+        lamp = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+        lamp.rotation_euler, lamp.data.energy = (0.8, 0.3, 0.4), 3.0
+        scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+        for item in (lamp, scene.camera):
+            bpy.context.collection.objects.link(item)
+        person.in_view(bpy.ops.view3d.camera_to_view)
+        scene.camera.data.clip_end = 1e5
+        person.in_view(bpy.ops.view3d.camera_to_view_selected)
+        person.in_view(bpy.ops.view3d.view_camera)
+    file = f"{name}_rendered.png"
+    scene.render.filepath = str(run.folder / file)
+    bpy.ops.render.render(write_still=True)
+    return file

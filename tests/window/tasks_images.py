@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import person
-from scenes import added, as_found, clicked, empty, framed, idle, imported, monkey, shading
+from scenes import added, as_found, clicked, empty, framed, idle, imported, monkey, rendered, shading
 
 if TYPE_CHECKING:
     from drive import Run
@@ -90,10 +90,13 @@ def tiles(run: "Run") -> Iterator[None]:
         if face.center.x > 0:
             for corner in face.loop_indices:
                 layer[corner].uv.x += 1
+    bpy.context.scene.paradesc.image_to_material = True
     yield from pressed()
+    bpy.context.scene.paradesc.image_to_material = False
     file = yield from run.picture("udim")
     found = [(image.name, image.source, [tile.number for tile in image.tiles]) for image in bpy.data.images if image.source == "TILED"]
     run.saw("C6", f"two tiles: {found}", bool(found), file)
+    run.saw("C6", "the tiles in Cycles: lines along the borders of islands and tiles", None, rendered(run, "udim"))
 
 
 def packed(run: "Run") -> Iterator[None]:

@@ -17,11 +17,7 @@ MOST_PIXELS = 825
 def preferences(run: "Run") -> Iterator[None]:
     """The add-on's preferences, with its description and its buttons."""
     area = person.viewport()
-    area.type = "PREFERENCES"
-    bpy.context.preferences.active_section = "ADDONS"
-    bpy.context.window_manager.addon_search = "Paradesc"
-    bpy.ops.preferences.addon_expand(module="paradesc")
-    yield from person.drawn(10)
+    yield from person.preferences()
     file = yield from run.picture("preferences")
     run.saw("C8", "preferences: the description, documentation and bug buttons, what the memory limit says", None, file)
     area.type = "VIEW_3D"

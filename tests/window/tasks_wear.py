@@ -5,32 +5,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 import person
-from scenes import as_found, idle, imported, shading
+from scenes import as_found, idle, imported, rendered, shading
 
 if TYPE_CHECKING:
     from drive import Run
-
-
-def rendered(run: "Run", name: str) -> str:
-    """Renders what the viewport sees with Cycles and one lamp; gives the name of the picture."""
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 24
-    scene.cycles.use_denoising = False  # which not every build has
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 900, 900, 100
-    if scene.camera is None:
-        lamp = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-        lamp.rotation_euler, lamp.data.energy = (0.8, 0.3, 0.4), 3.0
-        scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        for item in (lamp, scene.camera):
-            bpy.context.collection.objects.link(item)
-        person.in_view(bpy.ops.view3d.camera_to_view)
-        scene.camera.data.clip_end = 1e5
-        person.in_view(bpy.ops.view3d.camera_to_view_selected)
-        person.in_view(bpy.ops.view3d.view_camera)
-    file = f"wear_{name}_rendered.png"
-    scene.render.filepath = str(run.folder / file)
-    bpy.ops.render.render(write_still=True)
-    return file
 
 
 def wear(run: "Run") -> Iterator[None]:
@@ -58,7 +36,7 @@ def wear(run: "Run") -> Iterator[None]:
     run.saw("B17", f"groups {groups}, inputs {inputs}; attributes {[name for name in made.data.attributes.keys() if not name.startswith('.')]}", bool(groups), file)
     shading().type = "SOLID"
     yield
-    run.saw("B17", "the beast with wear, in Cycles", None, rendered(run, "first"))
+    run.saw("B17", "the beast with wear, in Cycles", None, rendered(run, "wear_first"))
 
 
 def looks(run: "Run") -> Iterator[None]:
@@ -73,7 +51,7 @@ def looks(run: "Run") -> Iterator[None]:
         yield from person.wait(idle)
         shading().type = "SOLID"
         yield
-        run.saw("item 6", f"look {name}", None, rendered(run, name))
+        run.saw("item 6", f"look {name}", None, rendered(run, f"wear_{name}"))
 
 
 def browser(run: "Run") -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""The pixels of Blender's window, which fills the screen: by Blender, or by xwd where its screenshot stays black."""
+"""The pixels of Blender's window, which fills the screen, by Blender or by xwd; opens all of the add-on's panels."""
 
 import subprocess
 import tempfile
@@ -41,3 +41,15 @@ def pixels_of_root() -> np.ndarray:
     start = int(header[SIZE]) + BYTES_PER_COLOR * int(header[COLORS])
     rows = np.frombuffer(written, np.uint8, height * row, start).reshape(height, row)[:, : size * int(header[WIDTH])]
     return rows.reshape(height, -1, size)[..., 2::-1].copy()
+
+
+def open_panels() -> None:
+    """Opens the add-on's sub-panels, which are closed for those who have just installed it."""
+    import paradesc
+
+    for module in paradesc.modules():
+        for cls in module.classes:
+            if issubclass(cls, bpy.types.Panel) and hasattr(cls, "bl_parent_id"):
+                bpy.utils.unregister_class(cls)
+                cls.bl_options = set()
+                bpy.utils.register_class(cls)

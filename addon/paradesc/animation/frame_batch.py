@@ -16,6 +16,7 @@ from ..files import cache
 from ..scene import surface_maps, targets
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
+from ..settings.animation import frame_source
 from ..settings.translation import label
 from . import frames, painting, pausing, sessions
 
@@ -100,7 +101,7 @@ class FrameBatch(Pieces):
         if piece.failure:
             raise refuse(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
-        source = frames.source_of(scene, target)
+        source = frames.source_of(target, frame_source(scene.paradesc_animation))
         request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
         baker = frames.FrameBaker(scene, target, request)
         self.baker, self.next = baker, 0

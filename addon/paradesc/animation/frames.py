@@ -24,19 +24,15 @@ OWN_VERTICES = (
 )
 
 
-def source_of(scene: bpy.types.Scene, target: bpy.types.Object) -> str:
-    """The source of the object's frames: the one that a script or an older file has chosen for them, else the panel's.
+def source_of(target: bpy.types.Object, source: str) -> str:
+    """The source of the object's frames, which the scene or an option names.
 
-    What is shown is what the modifiers make, where frames of that can be played on the object. Of the base mesh, which
-    does not move, frames show how it is deformed.
+    What is shown is what the modifiers make, where frames of that can be played on the object.
     """
-    group = scene.paradesc_animation
-    if group.is_property_set("frame_source"):
-        return group.frame_source
-    if group.source != source_kinds.AUTOMATIC:
-        return group.source if group.source != source_kinds.ORIGINAL else "deformed"
+    if source != source_kinds.AUTOMATIC:
+        return source
     evaluated = source_meshes.read(target, source_kinds.EVALUATED, needs_uvs=False)
-    return source_kinds.EVALUATED if evaluated.own else "deformed"
+    return source_kinds.EVALUATED if evaluated.own else source_kinds.DEFORMED
 
 
 class FrameBaker(Baker):

@@ -227,15 +227,13 @@ classes = ()
 def register() -> None:
     """Adds each handler to Blender, once."""
     hooks.hang(HANDLERS)
-    if look_changed not in looks.LISTENERS:
-        looks.LISTENERS.append(look_changed)
+    looks.listen(look_changed)
 
 
 def unregister() -> None:
     """Removes the handlers, and frees what they kept."""
     hooks.take_down(HANDLERS)
-    if look_changed in looks.LISTENERS:
-        looks.LISTENERS.remove(look_changed)
+    looks.ignore(look_changed)
     for function in (follow_edits, collect):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)

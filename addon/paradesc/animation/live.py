@@ -74,6 +74,7 @@ class Session:
         self.results: Results | None = None
         self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
         self.scene_name = ""  # whose settings the newest request has
+        self.shown_radius: tuple[float, str] | None = None  # in the panel, with its unit
         self.painter = painting.Painter()
         self.seconds: dict[str, float] = {}  # of the last frame that was computed: read, compute, write
         self.read_seconds = self.compute_seconds = 0.0
@@ -178,9 +179,23 @@ class Session:
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
+            if depsgraph is None or depsgraph.mode != "RENDER":
+                self.show_radius(scene)
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
         return changed
+
+    def show_radius(self, scene: bpy.types.Scene) -> None:
+        """Has the panel show the radius that was fitted, as a bake does."""
+        asked, found = self.done.settings, self.results.settings
+        radius, unit = found.options.radius, asked.options.radius_unit
+        if not follows_mesh(asked) or (radius, unit) == self.shown_radius:
+            return
+        self.shown_radius = (radius, unit)
+        edge, diagonal = advice.mean_edge_and_diagonal(self.done.arrays)
+        length = {"diagonal": diagonal, "mean-edge": edge}.get(unit, 1.0)
+        options = replace(found.options, radius=radius / length, radius_unit=unit)
+        properties.show_radius(scene.paradesc, replace(found, options=options))
 
     def request(
         self, target: bpy.types.Object, evaluated: bpy.types.Object, scene: bpy.types.Scene, rendering: bool
@@ -234,7 +249,7 @@ class Session:
                 self.kept = self.radii or record.read(target.data).get(RADII, {})
         if not rendering:
             self.in_window = self.topology
-        self.arrays, self.rest = arrays, rest
+        self.arrays, self.rest, self.shown_radius = arrays, rest, None
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
         """Computes at the radius of the undeformed mesh, which does not change with the pose. Runs on any thread."""
@@ -324,7 +339,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     group = scene.paradesc_live
     if settings.space != "object":
         raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
-    if settings.radius_fit in advice.SIZES and not settings.more_radii:  # the panel shows that of the newest bake
+    if follows_mesh(settings):  # the panel shows that of the newest bake
         settings = replace(settings, options=replace(settings.options, radius=Options().radius))
     if not is_quick(scene, rendering):
         return settings
@@ -335,6 +350,11 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
         relocation="affine" if group.fast_seams else settings.options.relocation,
     )
     return replace(settings, options=options)
+
+
+def follows_mesh(settings: Settings) -> bool:
+    """Whether the radius follows from the mesh; with others beside it the names of values say which it is."""
+    return settings.radius_fit in advice.SIZES and not settings.more_radii
 
 
 def chosen(scene: bpy.types.Scene, rendering: bool) -> tuple[object, ...]:

@@ -241,7 +241,7 @@ def forget_ranges() -> None:
         session.forget_ranges()
 
 
-def look_changed(scene: bpy.types.Scene) -> None:
+def look_changed(scene: bpy.types.Scene, _setting: str = "") -> None:
     """Applies changed color settings to live objects at once."""
     if not live_objects():
         return

@@ -65,14 +65,14 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a mesh."""
-        there = bool(targets.chosen(context))
+        there = targets.first(context) is not None
         if not there:
             cls.poll_message_set(translation.tooltip("Select a mesh object first"))
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reads the mesh by its source, and shows the radius that the next bake will have."""
-        group, target = context.scene.paradesc, targets.chosen(context)[0]
+        group, target = context.scene.paradesc, targets.first(context)
         request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source, placing=False)
         try:
             settings = properties.job_settings(group)

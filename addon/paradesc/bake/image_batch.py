@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..core import job, transfer
+from ..core.color_maps import MASKS
 from ..core.threads import Worker
 from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
@@ -43,16 +44,20 @@ class TextureBake(Piece):
 
     def result(self, size: int) -> image_results.ImageBake:
         """The record of it that the mesh keeps, once its images are there."""
-        transfer = self.textures.results.transfer
+        found = self.textures.results
+        masks = [MASKS.issuperset(textures[0].holds) for textures in self.textures.by_name().values()]
+        seen = zip(masks, self.textures.extremes(), strict=True)
         return image_results.ImageBake(
             names=[image.name for image in self.images],
             holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
             size=size,
             seconds=self.seconds,
             uv_map=self.over.name,
-            cage=0.0 if transfer is None else transfer.cage,
+            cage=0.0 if found.transfer is None else found.transfer.cage,
             notes="\n".join(self.told),
             warnings="\n".join(self.warnings),
+            percent=100 * found.radius / found.mesh_report["diagonal"],
+            drawn={str(place): shares for place, (is_mask, shares) in enumerate(seen) if is_mask},
         )
 
 
@@ -166,8 +171,15 @@ class ImageBatch(OneByOne):
         self.settle()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
-                self.attempt(piece, lambda piece: uv_maps.remove(piece.target(), piece.over.name))
+                self.attempt(piece, self.take_map_away)
                 piece.over = None
+
+    def take_map_away(self, piece: TextureBake) -> None:
+        """Removes the UV map that was made for a mesh, unless images of another object with it lie over that."""
+        target, name = piece.target(), piece.over.name
+        kept = (other for other in self.pieces if other.images and other.over.name == name)
+        if all(other.target().data != target.data for other in kept):
+            uv_maps.remove(target, name)
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""

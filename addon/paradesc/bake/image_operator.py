@@ -4,14 +4,23 @@ import bpy
 
 from ..scene import image_preview, pairs, targets
 from ..settings.translation import said
+from .fit import RadiusOption
 from .image_batch import ImageBatch
 from .mask_option import MaskOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
 
-class ImageJob(ModalJob):
-    """What the operators have in common: they keep the textures at the end."""
+class ImageJob(MaskOption, RadiusOption, ModalJob):
+    """What the operators have in common: a mask and a radius of their own go first, and they keep the textures."""
+
+    onto = False  # the pairs among the selected meshes
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
+        """Takes settings and selection, with or without a window."""
+        self.take_mask(context.scene.paradesc)
+        self.take_radius(context.scene.paradesc)
+        return ImageBatch(context, self.onto)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
         """Keeps all textures and says where; after Esc it keeps none."""
@@ -20,6 +29,7 @@ class ImageJob(ModalJob):
             self.report({"INFO"}, "Cancelled; no image was written")
             return {"CANCELLED"}
         batch.finish()
+        self.show_radius(context.scene.paradesc)
         report_all(self.report, batch, batch.written)
         failed = failures(batch)
         if not batch.written:
@@ -34,7 +44,7 @@ class ImageJob(ModalJob):
         return {"FINISHED"}
 
 
-class PARADESC_OT_bake_image(MaskOption, ImageJob, bpy.types.Operator):
+class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
     """Measure the surface for every texel of the UV map, and load the result as 16-bit textures beside the .blend"""
 
     bl_idname = "paradesc.bake_image"
@@ -45,11 +55,6 @@ class PARADESC_OT_bake_image(MaskOption, ImageJob, bpy.types.Operator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         """What stands in the way of reading the selected meshes."""
         return targets.reading_obstacle(context)
-
-    def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
-        """Takes settings and selection, with or without a window; a mask that the operator is given goes first."""
-        self.take_mask(context.scene.paradesc)
-        return ImageBatch(context)
 
 
 class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
@@ -62,6 +67,7 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
     bl_idname = "paradesc.bake_onto"
     bl_label = "Bake Selected to Active"
     bl_options = {"REGISTER", "UNDO"}
+    onto = True
 
     cage: bpy.props.FloatProperty(
         name="Cage Distance",
@@ -85,7 +91,7 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
         """Takes settings and selection; a cage distance that the operator itself is given goes first."""
         if self.cage > 0:
             context.scene.paradesc.cage = self.cage
-        return ImageBatch(context, onto=True)
+        return super().begin(context, beside)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
         """Does the same, and shows the cage distance that was used."""

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import bpy
 
-from ..scene import image_preview, image_results
+from ..scene import image_preview, image_results, targets
 from ..scene.image_results import ImageBake
 from ..settings.translation import said, tooltip
 
@@ -19,14 +19,14 @@ class OfImage:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs one."""
-        there = image_results.found(context.active_object) is not None
+        there = image_results.found(targets.first(context)) is not None
         if not there:
             cls.poll_message_set(tooltip("Bake this mesh to an image first"))
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Finds the image; whoever extends this has run()."""
-        made = image_results.found(context.active_object)
+        made = image_results.found(targets.first(context))
         image = next((image for image in made.images if image.name == self.name), made.images[0])
         return self.run(context, made, image)
 
@@ -39,7 +39,7 @@ class PARADESC_OT_show_image(OfImage, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context, made: ImageBake, image: bpy.types.Image) -> set[str]:
         """Shows it, or hides it where it is shown."""
-        target, shading = context.active_object, getattr(context.space_data, "shading", None)
+        target, shading = targets.first(context), getattr(context.space_data, "shading", None)
         solid = shading is None or shading.type == "SOLID"
         if image_preview.shown(target) == image.name and solid:
             image_preview.hide(target)
@@ -102,7 +102,11 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
     bl_label = "Save"
 
     directory: bpy.props.StringProperty(
-        name="Folder", description="Where the files go", default="", subtype="DIR_PATH", options={"SKIP_SAVE"}
+        name="Folder",
+        description="Where the files go; empty: beside the .blend",
+        default="",
+        subtype="DIR_PATH",
+        options={"SKIP_SAVE"},
     )
     filter_folder: bpy.props.BoolProperty(
         name="Folders", description="Have the file browser show folders", default=True, options={"HIDDEN", "SKIP_SAVE"}
@@ -115,7 +119,11 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
 
     def run(self, _context: bpy.types.Context, made: ImageBake, _image: bpy.types.Image) -> set[str]:
         """Writes all of them as the bake made them; files that are there already stay."""
-        folder = Path(bpy.path.abspath(self.directory))
+        directory = self.directory or "//"
+        if directory.startswith("//") and not bpy.data.filepath:
+            self.report({"ERROR"}, said("Save the .blend first, beside which images go, or name a folder"))
+            return {"CANCELLED"}
+        folder = Path(bpy.path.abspath(directory))
         contents = {
             folder / name: content
             for image in made.images

@@ -168,13 +168,6 @@ class ModalJob:
         if context.workspace is not None:
             context.workspace.status_text_set(None)
         redraw_sidebars(context)
-        # Blender 4 draws the first button after the bar like the bar until the sidebar is drawn once more.
-        bpy.app.timers.register(redraw_every_sidebar, first_interval=0.3)
-
-
-def redraw_every_sidebar() -> None:
-    """Does so without an event, of which a timer has none."""
-    redraw_sidebars(bpy.context)
 
 
 def progress_text(job: Steps) -> str:
@@ -223,3 +216,21 @@ class PARADESC_OT_cancel(bpy.types.Operator):
 
 
 classes = (PARADESC_OT_cancel,)
+
+
+def register() -> None:
+    """Lets panels draw how far the work is."""
+    bpy.types.WindowManager.paradesc_progress = bpy.props.FloatProperty(
+        name="",
+        subtype="PERCENTAGE",
+        precision=0,
+        min=0.0,
+        max=100.0,
+        get=lambda _manager: 100 * ModalJob.running.fraction if ModalJob.running else 0.0,
+        options={"SKIP_SAVE"},
+    )
+
+
+def unregister() -> None:
+    """Takes it away."""
+    del bpy.types.WindowManager.paradesc_progress

@@ -149,8 +149,9 @@ def bake_object(
     from ..animation import frames
 
     maps = map_sources(arguments)
+    source = frames.source_of(target, arguments.source)
     request = FrameRequest(
-        settings, folder, arguments.source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
+        settings, folder, source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
     )
     scene = bpy.context.scene
     with quiet(arguments.verbose):

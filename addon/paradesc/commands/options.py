@@ -179,10 +179,11 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     if arguments.scene_settings:
         with scene_settings() as scene:
             from ..settings import properties
+            from ..settings.animation import frame_source
 
             group, animation = scene.paradesc, scene.paradesc_animation
             base = properties.job_settings(group)
-            arguments.source = source or (animation.source if usual == "original" else animation.frame_source)
+            arguments.source = source or (animation.source if usual == "original" else frame_source(animation))
             if not getattr(arguments, "relative_to_rest", True):
                 arguments.relative_to_rest = animation.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key

@@ -42,8 +42,9 @@ EDGES = {"cavity", "convexity"}
 # of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
 NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.05
 
-# The share of a color map that is nearly black; a mask of which more than DARKEST is so shows little.
-DARK, DARKEST = 0.05, 0.8
+# The shares of a color map up to which it is nearly black and from which on it is nearly white. A mask of which more
+# than MOST_EXTREME is one of them shows little.
+DARK, BRIGHT, MOST_EXTREME = 0.05, 0.95, 0.8
 # One of which more than this share is nearly black gives way to another mask of the same bake that has less.
 TELLING = 0.6
 

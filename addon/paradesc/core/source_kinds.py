@@ -1,9 +1,9 @@
 """Names the meshes of an object that can be measured, and what menus say about them. Never imports bpy."""
 
-ORIGINAL, EVALUATED, AUTOMATIC = "original", "evaluated", "auto"
+ORIGINAL, DEFORMED, EVALUATED, AUTOMATIC = "original", "deformed", "evaluated", "auto"
 SOURCES = (
     (ORIGINAL, "Base Mesh", "The object's own mesh, before shape keys and modifiers"),
-    ("deformed", "Deformed", "The same mesh as armature, shape keys, lattice, cloth and their like move it"),
+    (DEFORMED, "Deformed", "The same mesh as armature, shape keys, lattice, cloth and their like move it"),
     (
         EVALUATED,
         "With Modifiers",

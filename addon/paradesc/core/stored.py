@@ -75,7 +75,11 @@ def image_bake(value: object) -> dict[str, object]:
     sound = sound and len(lists[0]) == len(lists[1])
     sound = sound and all(isinstance(row.get(name), str) for name in IMAGE_WORDS)
     sound = sound and all(is_number(row.get(name)) for name in IMAGE_NUMBERS)
-    return {name: row[name] for name in (*IMAGE_LISTS, *IMAGE_WORDS, *IMAGE_NUMBERS)} if sound else {}
+    if not sound:
+        return {}
+    percent = row.get("percent")  # which the files of earlier versions lack, as they lack extremes
+    more = {"percent": percent if is_number(percent) else 0.0, "drawn": drawn(row.get("drawn"))}
+    return {**{name: row[name] for name in (*IMAGE_LISTS, *IMAGE_WORDS, *IMAGE_NUMBERS)}, **more}
 
 
 def ranges(value: object) -> dict[str, list[float]]:

@@ -77,6 +77,7 @@ class Texture:
     tile: int | None = None  # if it is one of a tiled image
     holds: tuple[str, ...] = ()  # the values in its channels
     dark: float = 0.0  # the share of the surface that is nearly black
+    bright: float = 0.0  # and nearly white
 
     @property
     def file_name(self) -> str:
@@ -92,6 +93,7 @@ class Encoded:
     scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
     covered: float  # the share of texels on the surface
     dark: float  # the share of those that are nearly black in all channels
+    bright: float  # and nearly white
 
 
 @dataclass
@@ -120,8 +122,12 @@ class Textures:
 
     def most_telling(self) -> int:
         """The place of the first image, unless it is black nearly everywhere and another is less so."""
-        dark = [sum(tile.dark for tile in tiles) / len(tiles) for tiles in self.by_name().values()]
-        return most_telling(dark)
+        return most_telling([seen["dark"] for seen in self.extremes()])
+
+    def extremes(self) -> list[dict[str, float]]:
+        """The shares of each image that are nearly black and nearly white."""
+        images, words = self.by_name().values(), ("dark", "bright")
+        return [{word: sum(getattr(tile, word) for tile in tiles) / len(tiles) for word in words} for tiles in images]
 
 
 def word_of(name: str) -> str:
@@ -261,7 +267,7 @@ def textures_of(
         of_one = job.part_of(drawing, number, len(groups))
         channels = [(bakes[name], name) for name in group]
         one = encoded(channels, choice.size, choice.transparent, of_one, shown)
-        made.append(Texture(f"{any_baked.object_name}_{word}", one.content, tile, tuple(group), one.dark))
+        made.append(Texture(f"{any_baked.object_name}_{word}", one.content, tile, tuple(group), one.dark, one.bright))
         if bakes[group[0]].results.values[group[0]].ndim == 1:  # directions may be missing on the surface
             covered = one.covered
     return made, covered
@@ -278,14 +284,14 @@ def encoded(
 
     shown: the tile, if it is one of several.
     """
-    channels, filled, scales, meanings, dark = [], None, [], [], 1.0
+    channels, filled, scales, meanings, dark, bright = [], None, [], [], 1.0, 1.0
     of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, (baked, name) in enumerate(sources):
         pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(sources)), shown)
         meaning = pixels.scale.meaning(name, baked.unit(name))
         channels.append(pixels.values)
         scales.append(pixels.scale)
-        dark = min(dark, pixels.dark)
+        dark, bright = min(dark, pixels.dark), min(bright, pixels.bright)
         meanings.append(meaning if len(sources) == 1 else f"{CHANNELS[number]}: {meaning}")
         filled = pixels.filled if filled is None else filled | pixels.filled
     go_on(progress, "write", DRAWING)
@@ -293,7 +299,7 @@ def encoded(
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
     content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
-    return Encoded(content, scales, pixels.covered, dark)
+    return Encoded(content, scales, pixels.covered, dark, bright)
 
 
 def drawn(

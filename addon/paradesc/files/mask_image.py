@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..core import threads
-from ..core.color_maps import DARK, Levels, ValueRange
+from ..core.color_maps import BRIGHT, DARK, Levels, ValueRange
 from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
@@ -51,6 +51,7 @@ class Pixels:
     filled: np.ndarray  # (N, N) bool: on the surface or in the gutter
     covered: float  # the share of texels on the surface
     dark: float  # the share of those that are nearly black
+    bright: float  # and nearly white
     scale: Scale
 
 
@@ -97,7 +98,8 @@ def gutter_of(size: int) -> int:
 def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
     """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
     counts = np.sum(in_bands(lambda rows: to_places(image[rows], scale), len(image)), axis=0)
-    covered, dark = counts[0] / image[:, :, 0].size, counts[1] / max(counts[0], 1)
+    covered = counts[0] / image[:, :, 0].size
+    dark, bright = (float(count) for count in counts[1:] / max(counts[0], 1))
     image = filled_around(image, gutter_of(len(image)))
     known = np.empty(image.shape[:2], bool)
     values = np.empty(image.shape, np.uint16)
@@ -110,13 +112,13 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
         values[rows] = rounded
 
     in_bands(finish, len(image))
-    return Pixels(values, known, float(covered), float(dark), scale)
+    return Pixels(values, known, float(covered), dark, bright, scale)
 
 
-def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int]:
+def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int, int]:
     """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there.
 
-    Counts the texels where something is, and those of them that are nearly black.
+    Counts the texels where something is, and those of them that are nearly black and nearly white.
     """
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
@@ -124,7 +126,8 @@ def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int]:
     part += 1
     first = part[:, :, 0]
     there = np.count_nonzero(first > 0)
-    return there, there - np.count_nonzero(first > 1 + DARK * WHOLE)
+    dark = there - np.count_nonzero(first > 1 + DARK * WHOLE)
+    return there, dark, np.count_nonzero(first > 1 + BRIGHT * WHOLE)
 
 
 def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:

@@ -33,9 +33,14 @@ COUNTS = ("Point Count", "Face Corner Count")
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier carries values and its nodes are as we left them."""
+    """Whether a modifier was made to carry values and its nodes are as we left them."""
     group = modifier.node_group if modifier.type == "NODES" else None
-    return group is not None and is_left(group) and is_carrier(held_by(group))
+    return group is not None and is_own(group)
+
+
+def is_own(group: bpy.types.NodeTree) -> bool:
+    """Whether nobody has edited these nodes of ours or given them another object; the carrier may have been deleted."""
+    return is_left(group) and (held_by(group) is None or is_carrier(held_by(group)))
 
 
 def is_left(group: bpy.types.NodeTree) -> bool:
@@ -56,7 +61,8 @@ def modifier_of(target: bpy.types.Object) -> bpy.types.NodesModifier | None:
 def carrier_of(target: bpy.types.Object) -> bpy.types.Mesh | None:
     """The mesh with the values that the object's modifier stores, if there are any."""
     modifier = modifier_of(target)
-    return None if modifier is None else held_by(modifier.node_group).data
+    carrier = None if modifier is None else held_by(modifier.node_group)
+    return None if carrier is None else carrier.data
 
 
 def held_by(group: bpy.types.NodeTree) -> bpy.types.Object | None:
@@ -112,6 +118,7 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) ->
         integers(group.nodes[name])[1].default_value = count
     for item in [target, *(other for other in sharing(target.data) if other != target and other.modifiers)]:
         place(item, group)
+    sweep()
 
 
 def measured_of(group: bpy.types.NodeTree) -> Measured:
@@ -138,16 +145,17 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     Values have just been written to the mesh itself, and those that were carried would hide them.
     """
     for target in sharing(mesh):
-        carried = carried_names(target)
+        modifier, carried = modifier_of(target), carried_names(target)
         gone = [name for name in carried if name in names]
-        if carried and len(gone) == len(carried):
-            remove_modifier(target, modifier_of(target))
+        if modifier is not None and len(gone) == len(carried):
+            remove_modifier(target, modifier)
         elif gone:
-            held, measured = carrier_of(target), measured_of(modifier_of(target).node_group)
+            held, measured = carrier_of(target), measured_of(modifier.node_group)
             held = held.copy() if own_group(target) is None else held
             for name in gone:
                 held.attributes.remove(held.attributes[name])
             carry(target, held, measured)
+    sweep()
 
 
 # ---- Ours and nobody else's
@@ -167,7 +175,8 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
     used = sum(
         one.type == "NODES" and one.node_group == group for item in sharing(target.data) for one in item.modifiers
     )
-    return group if group.users == used and held_by(group).users == 1 else None
+    carrier = held_by(group)
+    return group if group.users == used and carrier is not None and carrier.users == 1 else None
 
 
 def new_carrier(target: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
@@ -187,13 +196,19 @@ def remove_modifier(
         remove_unused(group)
 
 
+def sweep() -> None:
+    """Removes groups of ours whose modifiers somebody has deleted, with what they carried."""
+    for group in [one for one in bpy.data.node_groups if not one.users and is_own(one)]:
+        remove_unused(group)
+
+
 def remove_unused(group: bpy.types.NodeTree) -> None:
     """Removes a group that nothing uses, and its carrier if nothing else uses that."""
     if group.users:
         return
     carrier = held_by(group)
     bpy.data.node_groups.remove(group)
-    if carrier.users == 0:
+    if carrier is not None and carrier.users == 0:
         mesh = carrier.data
         bpy.data.objects.remove(carrier)
         if mesh.users == 0:

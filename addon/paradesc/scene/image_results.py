@@ -1,6 +1,6 @@
 """Keeps on a mesh which images a bake has made of it, for the line in the panel that says so and shows them."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import bpy
@@ -26,16 +26,25 @@ class ImageBake:
     cage: float = 0.0  # how far the detailed meshes may lie from this one, in the world; 0 if it was measured itself
     notes: str = ""  # what the panel says of it besides, in lines
     warnings: str = ""
+    percent: float = 0.0  # the radius, of the diagonal of what was measured
+    drawn: dict[str, dict[str, float]] = field(default_factory=dict)  # of masks by their place: extremes, as in records
 
     @property
     def images(self) -> list[bpy.types.Image]:
         """The images that are still there."""
         return [image for image in map(bpy.data.images.get, self.names) if image is not None]
 
+    def extremes(self, image: bpy.types.Image) -> dict[str, float]:
+        """The shares of an image that are nearly black and nearly white; {} of what is no mask."""
+        return self.drawn.get(str(self.names.index(image.name)), {})
+
     def label(self, image: bpy.types.Image) -> str:
         """The names of the values in an image, in the interface's language."""
-        names = self.holds[self.names.index(image.name)].split(",")
-        return ", ".join(map(translation.label, map(legend.label, names)))
+        return ", ".join(map(translation.label, map(legend.label, self.held(image))))
+
+    def held(self, image: bpy.types.Image) -> list[str]:
+        """The names of the values in an image."""
+        return self.holds[self.names.index(image.name)].split(",")
 
 
 def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:
@@ -46,7 +55,7 @@ def keep(mesh: bpy.types.Mesh, made: ImageBake) -> None:
 
 def found(target: bpy.types.Object | None) -> ImageBake | None:
     """The result of the last bake of an object's mesh to images, or None, also where none of its images is left."""
-    if target is None or target.type != "MESH":
+    if target is None:
         return None
     stored = record.read(target.data).get(MEMBER)
     made = ImageBake(**stored) if stored else None

@@ -304,8 +304,8 @@ def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, 
     return {"automatic": [shown.minimum, shown.maximum]} if look.is_automatic(shown.diverging) else {}
 
 
-# The share of a color map from which on it is nearly white; so many faces tell how much of the mesh is black or white.
-BRIGHT, ENOUGH_FACES = 0.95, 100_000
+# So many faces tell how much of the mesh is black or white.
+ENOUGH_FACES = 100_000
 
 
 def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -328,7 +328,7 @@ def extremes(
     places = shown.shares(values[corners])
     return {
         "dark": float(np.average((places < color_maps.DARK).mean(axis=1), weights=areas)),
-        "bright": float(np.average((places > BRIGHT).mean(axis=1), weights=areas)),
+        "bright": float(np.average((places > color_maps.BRIGHT).mean(axis=1), weights=areas)),
     }
 
 

@@ -18,7 +18,11 @@ MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PA
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The mesh objects that a bake takes: the selected ones, the active one first; in other modes those in the mode."""
+    """The mesh objects that a bake takes: the selected ones, the active one first; in other modes those in the mode.
+
+    Where no mesh is selected it is the active object, or the only mesh that an armature or an empty carries: importers
+    make these the active ones.
+    """
     active = context.active_object
     if active is not None and active.type == "MESH" and active.mode == "EDIT":
         edited = [item for item in context.view_layer.objects if item.type == "MESH" and item.mode == "EDIT"]
@@ -29,9 +33,19 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     if selected is None:
         selected = context.view_layer.objects.selected
     found = [item for item in selected if item.type == "MESH"]
-    if not found and active is not None and active.type == "MESH":
-        return [active]
+    if not found and active is not None:
+        carried = [active] if active.type == "MESH" else [*active.children_recursive]
+        meshes = [item for item in carried if item.type == "MESH"]
+        return meshes if len(meshes) == 1 else []
     return sorted(found, key=lambda item: item != active)
+
+
+def first(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The mesh object that panels and buttons are about, the first one that a bake takes; None if it takes none.
+
+    Without a window, as timers are called, there is no active object, and nobody looks at one.
+    """
+    return next(iter(chosen(context)), None) if hasattr(context, "active_object") else None
 
 
 def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:

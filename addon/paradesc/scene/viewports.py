@@ -16,7 +16,9 @@ from . import image_preview, node_groups, record
 FORMER = "paradesc_color_type"
 # Another one: the numbers of the viewports that were solid before they showed materials.
 SOLID_BEFORE = "paradesc_solid_before"
-# Another one, of the same form: how viewports showed what undo has taken away, and redo or another radius brings back.
+# Another one: the numbers of all viewports when these were written. One that is not among them was split off since.
+KNOWN = "paradesc_viewports"
+# Another one, of FORMER's form: how viewports showed what undo has taken away, and redo or another radius brings back.
 UNDONE = "paradesc_undone"
 ATTRIBUTES = "VERTEX"
 # Highlights, shadows and Blender's own cavities would be taken for values.
@@ -41,6 +43,26 @@ def formers(screen: bpy.types.Screen) -> dict[str, Look]:
     return {number: {"color_type": one} if isinstance(one, str) else dict(one) for number, one in kept.items()}
 
 
+def settle(screen: bpy.types.Screen) -> None:
+    """A viewport that was split off goes back to what the one showed that it was split from, and whose look it has."""
+    shown = {int(number): shading for number, shading in shadings(screen)}
+    known = [number for number in screen.get(KNOWN, shown) if number in shown]
+    former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
+    for number in shown.keys() - set(known):
+        look = (shown[number].type, look_of(shown[number]))
+        twin = next((one for one in known if (shown[one].type, look_of(shown[one])) == look), number)
+        former.update({str(number): former[str(twin)]} if str(twin) in former else {})
+        solid += [number] * (twin in solid)
+    for name, value in ((FORMER, former), (SOLID_BEFORE, sorted(solid)), (KNOWN, sorted(shown))):
+        if value:
+            screen[name] = value
+
+
+def look_of(shading: bpy.types.View3DShading) -> Look:
+    """What a viewport shows, as far as a bake changes it."""
+    return {name: getattr(shading, name) for name in PLAIN}
+
+
 def wanted(context: bpy.types.Context) -> Look:
     """How a viewport shows attributes, which depends on the mode of the active object."""
     active = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
@@ -55,10 +77,12 @@ def is_shown(context: bpy.types.Context) -> bool:
 
 def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading, look: Look = PLAIN) -> None:
     """Lets solid shading show the active color attribute, and keeps in mind what it showed before."""
+    if screen is not None:
+        settle(screen)
     for number, own in shadings(screen):
         if own == shading:
             give_back(shading, {name: one for name, one in formers(screen).get(number, {}).items() if name not in look})
-            present, known = {name: getattr(shading, name) for name in PLAIN}, formers(screen).get(number, {})
+            present, known = look_of(shading), formers(screen).get(number, {})
             kept = {name: known[name] for name in known if present[name] == PLAIN[name]}
             if kept or any(present[name] != look[name] for name in look):
                 screen[FORMER] = {**formers(screen), number: {**present, **kept}}
@@ -86,6 +110,8 @@ def reveal(context: bpy.types.Context) -> None:
         return
     image_preview.hide()  # which would lie over them
     screen, look = context.screen, wanted(context)
+    if screen is not None:
+        settle(screen)
     undone = {} if screen is None else screen.get(UNDONE, {})
     for number, shading in shadings(screen):
         seen = number in formers(screen) and shading.color_type == ATTRIBUTES
@@ -99,6 +125,7 @@ def reveal_materials(context: bpy.types.Context) -> None:
     """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
+    settle(context.screen)
     numbers = set(context.screen.get(SOLID_BEFORE, []))
     for number, shading in shadings(context.screen):
         if shading.type == "SOLID":
@@ -116,8 +143,9 @@ def can_restore(context: bpy.types.Context) -> bool:
 def restore(screen: bpy.types.Screen) -> None:
     """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
     image_preview.hide()
+    settle(screen)
     former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
-    for name in (FORMER, SOLID_BEFORE):
+    for name in (FORMER, SOLID_BEFORE, KNOWN):
         if name in screen:
             del screen[name]
     for number, shading in shadings(screen):
@@ -152,7 +180,7 @@ def on_undo(*_ignored: object) -> None:
     for window in bpy.context.window_manager.windows:
         if (FORMER in window.screen or SOLID_BEFORE in window.screen) and not shows_ours(window):
             shown = [(number, one) for number, one in shadings(window.screen) if one.color_type == ATTRIBUTES]
-            window.screen[UNDONE] = {number: {name: getattr(one, name) for name in PLAIN} for number, one in shown}
+            window.screen[UNDONE] = {number: look_of(one) for number, one in shown}
             restore(window.screen)
 
 

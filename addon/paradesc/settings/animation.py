@@ -2,10 +2,12 @@
 
 import bpy
 
-from ..core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, SOURCES
+from ..core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, DEFORMED, ORIGINAL, SOURCES
 from ..files import cache
 from .properties import path_options
 
+# Files keep the numbers of the choices.
+AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, how it is deformed")
 DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
 
 
@@ -20,9 +22,9 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     )
     frame_source: bpy.props.EnumProperty(
         name="Frame Source",
-        description="Which mesh is measured at each frame, if it is not that of a single bake",
-        items=list(SOURCES[1:]),
-        default="deformed",
+        description="Which mesh is measured at each frame",
+        items=[*SOURCES[1:], AS_SOURCE],
+        default=AS_SOURCE[0],
     )
     use_scene_range: bpy.props.BoolProperty(
         name="Scene Range", description="Bake the frames from the scene's start to its end", default=True
@@ -45,6 +47,12 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     overwrite: bpy.props.BoolProperty(
         name="Overwrite", description="Compute frames again that are in the cache already", default=False
     )
+
+
+def frame_source(group: bpy.types.PropertyGroup) -> str:
+    """The source of frames in one scene; AUTOMATIC follows from each object."""
+    chosen = group.source if group.frame_source == AS_SOURCE[0] else group.frame_source
+    return DEFORMED if chosen == ORIGINAL else chosen
 
 
 classes = (PARADESC_PG_animation,)

@@ -6,6 +6,7 @@ import bpy
 
 from ..core import choices, members
 from ..core.color_maps import Look
+from . import hooks
 from .properties import property_of
 
 PACKED_KINDS = [
@@ -18,8 +19,21 @@ PACKED_DOMAINS = [
 ]
 COLORS = members.color_members()
 CHANNELS = ("red", "green", "blue", "alpha")
-# Called with the scene whose settings were changed. Folders that come later add themselves, unknown to this one.
-LISTENERS: list[Callable[[bpy.types.Scene], None]] = []
+Listener = Callable[[bpy.types.Scene, str], None]
+# Called with the scene whose settings were changed, and the name of the setting. Folders that come later add
+# themselves, unknown to this one.
+LISTENERS: list[Listener] = []
+
+
+def listen(listener: Listener) -> None:
+    """Adds a listener, once, however often the add-on is enabled; one from an earlier import makes room."""
+    ignore(listener)
+    LISTENERS.append(listener)
+
+
+def ignore(listener: Listener) -> None:
+    """Removes a listener, if it is there."""
+    LISTENERS[:] = [one for one in LISTENERS if not hooks.is_same(one, listener)]
 
 
 def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -29,14 +43,13 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
             area.tag_redraw()
 
 
-def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Lets those know who show values in these colors."""
-    for listener in LISTENERS:
-        listener(group.id_data)
-
-
 def of_color(name: str) -> object:
-    """The property of a setting of colors."""
+    """The property of a setting of colors, which lets those know who show values in them."""
+
+    def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+        for listener in LISTENERS:
+            listener(group.id_data, name)
+
     return property_of(COLORS[name], update=changed)
 
 

@@ -17,7 +17,7 @@ RESEARCH = {
         *("geodesic", "seed"),
         *("write_attributes", "write_image", "image_format", "image_path", "write_buffers", "buffers_path"),
     ),
-    "paradesc_looks": ("percentile", "symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
+    "paradesc_looks": ("symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
     "paradesc_animation": ("frame_source", "relative_to_rest"),
     "paradesc_live": ("samples", "buffer_size", "fast_seams", "full_render", "missing"),
 }
@@ -28,8 +28,6 @@ PARTS = {
     "buffers_path": "write_buffers",
     "neutral": "use_neutral",
 }
-# These have no value of their own until somebody gives them one.
-STORED = ("frame_source",)
 
 
 def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
@@ -45,8 +43,6 @@ def changed(scene: bpy.types.Scene) -> list[tuple[bpy.types.PropertyGroup, str]]
 
 def acts(group: bpy.types.PropertyGroup, name: str) -> bool:
     """Whether a setting changes what is done without it."""
-    if name in STORED:
-        return group.is_property_set(name)
     is_usual = getattr(group, name) == group.bl_rna.properties[name].default
     return not is_usual and (name not in PARTS or getattr(group, PARTS[name]))
 
@@ -80,8 +76,7 @@ class PARADESC_OT_reset_research(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Resets those that differ, and tells what follows them."""
         for group, name in changed(context.scene):
-            if name not in STORED:
-                setattr(group, name, group.bl_rna.properties[name].default)
+            setattr(group, name, group.bl_rna.properties[name].default)
             group.property_unset(name)
         return {"FINISHED"}
 

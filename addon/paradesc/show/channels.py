@@ -5,7 +5,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.job import registry_row
-from ..scene import arrays, mesh_io, ownership, record, sculpt_masks
+from ..scene import arrays, mesh_io, ownership, record, sculpt_masks, targets
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -248,7 +248,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks before a mask is lost."""
-        if not self.replace and sculpt_masks.is_painted(context.active_object.data):
+        if not self.replace and sculpt_masks.is_painted(targets.first(context).data):
             self.replace = True
             return context.window_manager.invoke_confirm(self, event)
         return self.execute(context)

@@ -1,9 +1,9 @@
-"""Draws the legend in the viewport, a color bar with numbers, if the active object shows our colors."""
+"""Draws the legend in the viewport, a color bar with numbers, if the panel's object shows our colors."""
 
 import bpy
 
 from ..core import color_maps, legend
-from ..scene import record
+from ..scene import record, targets
 from ..settings import translation
 from . import recolor, slots
 
@@ -14,9 +14,9 @@ _state: dict[str, object] = {}
 
 
 def shown_descriptor(context: bpy.types.Context) -> tuple[bpy.types.Object, str] | None:
-    """The active object and the descriptor whose colors it shows in this viewport; None if it shows none."""
-    target, space = context.active_object, context.space_data
-    if target is None or target.type != "MESH" or not target.visible_get(viewport=space):
+    """The panel's object and the descriptor whose colors it shows in this viewport; None if it shows none."""
+    target, space = targets.first(context), context.space_data
+    if target is None or not target.visible_get(viewport=space):
         return None
     name = name_in(space.shading.type, space.shading.color_type, target)
     return (target, name) if name else None

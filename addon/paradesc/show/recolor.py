@@ -10,7 +10,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, record, viewports
+from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, record, targets, viewports
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
@@ -42,6 +42,11 @@ def shown_name(mesh: bpy.types.Mesh) -> str:
     active = mesh.color_attributes.active_color
     name = "" if active is None else active.name.removesuffix("_color")
     return name if active is not None and name != active.name and name in baked_names(mesh) else ""
+
+
+def shown_names(mesh: bpy.types.Mesh) -> list[str]:
+    """The same as a list of one, or of none."""
+    return [name] if (name := shown_name(mesh)) else []
 
 
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
@@ -113,9 +118,9 @@ def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why there is nothing to show on the active object, or ""."""
-    target = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
-    if target is None or target.type != "MESH":
+    """One sentence about why there is nothing to show of the chosen objects, or ""."""
+    target = targets.first(context)
+    if target is None:
         return "Select a mesh object first"
     if not baked_names(target.data):
         return "Bake descriptors on this mesh first"
@@ -123,9 +128,9 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object and the other selected meshes with results; the first one if several share a mesh."""
+    """The chosen and the other selected meshes with results; the first one if several share a mesh."""
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
-    for target in [context.active_object, *context.selected_objects]:
+    for target in [*targets.chosen(context), *context.selected_objects]:
         if target.type == "MESH" and baked_names(target.data):
             found.setdefault(target.data, target)
     return list(found.values())
@@ -146,7 +151,7 @@ class NeedsBake:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode, where attributes can be read and written."""
-        found = baked_targets(context) if self.whole_selection else [context.active_object]
+        found = baked_targets(context) if self.whole_selection else [targets.first(context)]
         failures = 0
         with modes.object_mode():
             for target in found:
@@ -181,19 +186,21 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         if choices.look_fault(group):
             raise mesh_io.refuse(choices.look_fault(group))
         mesh = target.data
-        names = baked_names(mesh)
-        chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
-        for name in chosen:
+        for name in (not self.every and shown_names(mesh)) or baked_names(mesh):
             recolor_object(target, name, choices.look_of(group))
 
 
-def on_look(scene: bpy.types.Scene) -> None:
-    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor."""
+def on_look(scene: bpy.types.Scene, setting: str) -> None:
+    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor.
+
+    All masks get one scale or lose it, since those that are shown later would have another one.
+    """
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
     look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
-    shown = [(item, name) for item in found if (name := shown_name(item.data))]
+    names_of = baked_names if setting == "same_scale" else shown_names
+    shown = [(item, name) for item in found for name in names_of(item.data)]
     if scene.paradesc_looks.same_scale:
         look = color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
     for item, name in shown:
@@ -219,12 +226,12 @@ def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descr
 
 def register() -> None:
     """Follows the colors of scenes."""
-    looks.LISTENERS.append(on_look)
+    looks.listen(on_look)
 
 
 def unregister() -> None:
     """Does so no more."""
-    looks.LISTENERS.remove(on_look)
+    looks.ignore(on_look)
 
 
 # Blender needs the strings of such items to stay alive.
@@ -232,9 +239,9 @@ _items: list[Item] = []
 
 
 def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
-    """The baked descriptors of the active mesh."""
-    target = context.active_object if context is not None else None
-    names = baked_names(target.data) if target is not None and target.type == "MESH" else []
+    """The baked descriptors of the mesh that the panel is about."""
+    target = targets.first(context) if context is not None else None
+    names = baked_names(target.data) if target is not None else []
     _items[:] = [(name, legend.label(name), "") for name in names]
     return _items or [("", "None", "")]
 

@@ -29,6 +29,8 @@ LOOKS = {"PAINTED_METAL": "Painted Metal", "OLD_STONE": "Old Stone", "DUSTY_PLAS
 DIAGONAL = 2 * 3**0.5
 # The custom property of nodes of the group that keeps what we have set the inputs to.
 LEFT = tuned.PROPERTY
+# The custom property of a mesh that had no slot before it got one for a look.
+OWN_SLOT = "paradesc_wear_slot"
 # The custom property of a material that showed no nodes before, with the names of those that it has all the same.
 FORMER_NODES = "paradesc_nodes"
 
@@ -211,6 +213,9 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
         material[MARK] = name
         fit(material, own_nodes(material.node_tree, GROUP)[0], target)
         tuned.leave(material)
+    target.data.pop(OWN_SLOT, None)  # of a slot that somebody has taken away since
+    if not target.material_slots:
+        target.data[OWN_SLOT] = True
     target.active_material = material
     return f'"{target.name}" had no material, and now has "{material.name}".'
 
@@ -265,7 +270,7 @@ def take_away(target: bpy.types.Object, index: int) -> list[str]:
     material = target.material_slots[index].material
     if not tuned.is_as_left(material):
         return [f'The material "{material.name}" was changed since it was made, and stays.']
-    if len(target.material_slots) == 1 and target.material_slots[0].link == "DATA":
+    if target.data.pop(OWN_SLOT, False) and len(target.material_slots) == 1:
         target.data.materials.clear()
     else:
         target.material_slots[index].material = None

@@ -21,7 +21,7 @@ from . import wear
 def mask_look(look: Look) -> Look:
     """The look of masks in shaders: white is high, over their own range or the one that several meshes share."""
     shared = {name: span for name, span in look.ranges.items() if name}
-    return replace(Look(), ranges=shared, levels=replace(look.levels, invert=False))
+    return replace(Look(), ranges=shared, levels=look.levels)
 
 
 class VertexMasks(Batch):

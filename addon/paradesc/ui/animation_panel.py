@@ -5,6 +5,7 @@ import bpy
 from ..animation.cache_places import object_cache
 from ..bridge import ParadescError
 from ..files import cache
+from ..scene import targets
 from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines, setting
 
@@ -28,13 +29,13 @@ class PARADESC_PT_animation(SettingsPanel, bpy.types.Panel):
         for name in ("frame_step", "relative_to_rest", "cache_folder", "overwrite"):
             setting(layout, group, name)
         layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")
-        for line in cache_lines(scene, context.active_object):
+        for line in cache_lines(scene, targets.first(context)):
             sentence_lines(context, layout, line)
 
 
 def cache_lines(scene: bpy.types.Scene, target: bpy.types.Object | None) -> list[str]:
     """Says how many frames of an object the cache has, by file names alone, because panels are drawn often."""
-    if target is None or target.type != "MESH":
+    if target is None:
         return []
     try:
         found = cache.frames_in(object_cache(scene, target))

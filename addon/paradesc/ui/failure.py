@@ -6,6 +6,8 @@ import bpy
 
 # The package whose name the add-on has in Blender's preferences.
 ADDON = __package__.rpartition(".")[0]
+# Letters that fit into a line of the sidebar as wide as Blender opens it. What measures text needs what may be missing.
+LINE = 28
 # Seconds after which a window shows the sentence: while Blender starts, or draws its preferences, it cannot.
 SOON = 0.2
 sentence = [""]
@@ -50,7 +52,7 @@ def draw_sentence(layout: bpy.types.UILayout) -> None:
     """Draws it in lines of a few words, since labels do not wrap."""
     column, line = layout.column(align=True), ""
     for word in [*sentence[0].split(), ""]:
-        if line and (not word or len(line) + len(word) > 40):
+        if line and (not word or len(line) + len(word) > LINE):
             column.label(text=line, translate=False)
             line = ""
         line = f"{line} {word}".strip()

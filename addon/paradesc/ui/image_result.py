@@ -1,21 +1,23 @@
-"""Draws what the last bake to images made of the active mesh, and the buttons that show it."""
+"""Draws what the last bake to images made of the chosen mesh, and the buttons that show it."""
 
 import bpy
 
-from ..scene import image_preview, image_results
+from ..scene import image_preview, image_results, targets
 from ..scene.image_results import ImageBake
 from ..settings.translation import label
 from .drawing import sentence_lines
+from .result import draw_extremes
 
 
 def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws nothing where no image has been made, or none is left."""
-    made = image_results.found(context.active_object)
+    target = targets.first(context)
+    made = image_results.found(target)
     if made is None:
         return
     column, images = layout.column(align=True), made.images
     sentence_lines(context, column, result_sentence(made))
-    shown = image_preview.shown(context.active_object)
+    shown = image_preview.shown(target)
     for image in filter(image_preview.can_show, images):
         text = label("Show on Mesh") if len(images) == 1 else made.label(image)
         options = {"icon": "HIDE_OFF" if image.name == shown else "HIDE_ON", "depress": image.name == shown}
@@ -27,6 +29,8 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.operator("paradesc.save_images", text=label("Save"), translate=False).name = opened.name
     else:
         row.operator("paradesc.open_image_folder", text=label("Folder"), translate=False).name = opened.name
+    operator = "paradesc.bake_onto" if made.cage else "paradesc.bake_image"
+    draw_extremes(context, column, made.extremes(opened), made.percent, (operator, {*made.held(opened)}))
     for kind, sentences in (("INFO", made.notes), ("ERROR", made.warnings)):
         for sentence in sentences.splitlines():
             sentence_lines(context, column, sentence, kind)

@@ -3,6 +3,7 @@
 import bpy
 
 from ..animation import handlers, live, surfaces
+from ..scene import targets
 from ..settings import looks
 from ..settings.translation import label
 from .drawing import SettingsPanel, choice, descriptor_words, sentence_lines, setting
@@ -18,11 +19,11 @@ class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Shows only for meshes."""
-        return context.active_object is not None and context.active_object.type == "MESH"
+        return targets.first(context) is not None
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws the switch, its sentence, settings, ranges and time."""
-        target, group = context.active_object, context.scene.paradesc_live
+        target, group = targets.first(context), context.scene.paradesc_live
         mode = target.paradesc_live.mode
         switch = layout.row(align=True)
         switch.use_property_split = False

@@ -3,6 +3,7 @@
 import bpy
 
 from ..core import choices
+from ..scene import targets
 from ..settings.looks import CHANNELS
 from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines, setting
@@ -30,7 +31,7 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
             setting(column, group, "percentile")
         if group.span != "fixed":
             setting(column, group, "symmetric")
-        if follows_frames(context.active_object) and group.span != "fixed":
+        if follows_frames(targets.first(context)) and group.span != "fixed":
             layout.operator("paradesc.live_range", icon="LOCKED")
         setting(layout, group, "use_neutral")
         if group.use_neutral:
@@ -43,7 +44,7 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
 
 def follows_frames(target: bpy.types.Object | None) -> bool:
     """Whether an object's values are live or played, so that their range is held at all frames."""
-    return target is not None and target.type == "MESH" and target.paradesc_live.mode != "OFF"
+    return target is not None and target.paradesc_live.mode != "OFF"
 
 
 class PARADESC_PT_materials(SettingsPanel, bpy.types.Panel):
@@ -82,10 +83,10 @@ class PARADESC_PT_channels(SettingsPanel, bpy.types.Panel):
         column.operator("paradesc.corner_colors", icon="VPAINT_HLT")
         column.operator("paradesc.export_copies", icon="EXPORT")
         column.operator("paradesc.make_result_object", icon="DUPLICATE")
-        target = context.active_object
+        target = targets.first(context)
         column = layout.column(align=True)
         for channel in CHANNELS:
-            if target is not None and target.type == "MESH":
+            if target is not None:
                 column.prop_search(group, f"pack_{channel}", target.data, "attributes")
             else:
                 column.prop(group, f"pack_{channel}")

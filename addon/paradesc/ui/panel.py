@@ -97,18 +97,18 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws the buttons that bake, the one that suits the meshes first, and the switch of live values beside it."""
-    chosen, active = targets.chosen(context), context.active_object
+    chosen = targets.chosen(context)
     text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
     buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
     if large_faces.of_chosen(context):
         sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
         buttons.reverse()
-    row = layout.split(factor=BAKE_SHARE, align=True) if is_mesh(active) else layout.column(align=True)
+    row = layout.split(factor=BAKE_SHARE, align=True) if chosen else layout.column(align=True)
     row.scale_y = 1.4
     for place, (name, words, icon) in zip((row, layout), buttons, strict=True):
         place.operator(name, text=words, icon=icon, translate=False)
-        if place == row and is_mesh(active):
-            row.prop(active.paradesc_live, "follows", toggle=True)
+        if place == row and chosen:
+            row.prop(chosen[0].paradesc_live, "follows", toggle=True)
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
@@ -130,15 +130,15 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
     uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
     if uneven and settings.space == "object":
-        if not stored_report(context.active_object):  # its warnings say so at length
+        if not stored_report(chosen[0]):  # its warnings say so at length
             sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
         layout.prop_enum(settings, "space", "world", text=label("Measure in World"), translate=False, icon="WORLD")
 
 
 def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws what live values cost a frame, or why they stopped."""
-    target = context.active_object
-    if not is_mesh(target):
+    target = targets.first(context)
+    if target is None:
         return
     sentence, session = live_sentence(target), handlers.session_at(target)
     if sentence:
@@ -162,16 +162,10 @@ def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> Non
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
-    """Draws how far the work is; Blender has a bar for it since 4.0."""
-    if hasattr(layout, "progress"):
-        layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
+    """Draws how far the work is, as a property, since Blender 4 goes on drawing its own bar in place of what follows."""
+    layout.prop(context.window_manager, "paradesc_progress", text="", slider=True)
     sentence_lines(context, layout, progress_text(running), "SORTTIME")
     layout.operator("paradesc.cancel", icon="X")
-
-
-def is_mesh(target: bpy.types.Object | None) -> bool:
-    """Whether there is an object, and it is a mesh."""
-    return target is not None and target.type == "MESH"
 
 
 def button_text(count: int, masks: list[str] = ()) -> str:

@@ -1,8 +1,8 @@
-"""The panel about what the last bake of the active mesh found."""
+"""The panel about what the last bake of the chosen mesh found."""
 
 import bpy
 
-from ..scene import record
+from ..scene import record, targets
 from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines
 
@@ -35,12 +35,12 @@ class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Shows only if there was a bake."""
-        return bool(stored_report(context.active_object))
+        return bool(stored_report(targets.first(context)))
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws one line for each fact, and notes below; what limits the values stands under the button."""
         column = layout.column(align=True)
-        stored = stored_report(context.active_object)
+        stored = stored_report(targets.first(context))
         for fact in report_lines(stored):
             sentence_lines(context, column, fact)
         for sentence in stored["notes"].splitlines():
@@ -49,7 +49,7 @@ class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
 
 def stored_report(target: bpy.types.Object | None) -> dict[str, dict]:
     """What the last bake left on the mesh of an object; empty if there was none, or if its values are gone."""
-    stored = record.read(target.data) if target is not None and target.type == "MESH" else {}
+    stored = record.read(target.data) if target is not None else {}
     if "mesh_report" not in stored:
         return {}  # frames of a cache have no report
     left = stored["attributes"]  # the list outlives an undo in edit mode, the attributes do not

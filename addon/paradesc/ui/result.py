@@ -1,11 +1,11 @@
-"""Draws the last bake of the active mesh in the main panel: one line, what to show of it, and what limits it."""
+"""Draws the last bake of the chosen mesh in the main panel: one line, what to show of it, and what limits it."""
 
 import bpy
 
 from .. import bridge
 from ..bake.fit import PANEL
 from ..core import advice, color_maps
-from ..scene import viewports
+from ..scene import targets, viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
@@ -15,10 +15,11 @@ from .report_panel import stored_report
 
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws it, if there was a bake whose values are still there."""
-    stored = stored_report(context.active_object)
+    target = targets.first(context)
+    stored = stored_report(target)
     if not stored:
         return
-    mesh = context.active_object.data
+    mesh = target.data
     column = layout.column(align=True)
     sentence_lines(context, column, result_sentence(stored))
     name = recolor.shown_name(mesh)
@@ -35,7 +36,9 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
             row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
     if name and not recolor.is_direction(name):
         draw_levels(context, layout)
-        draw_extremes(context, layout, stored, name)
+        seen, diagonal = stored["drawn"].get(name, {}), stored["mesh_report"].get("diagonal", 0.0)
+        percent = 100 * seen.get("radius", 0.0) / diagonal if diagonal > 0 else 0.0
+        draw_extremes(context, layout, seen, percent, ("paradesc.bake", {name}))
     column = layout.column(align=True)
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
@@ -55,22 +58,30 @@ def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.prop(looks, "same_scale", text=label("Same Scale"), translate=False, toggle=True)
 
 
-def draw_extremes(context: bpy.types.Context, layout: bpy.types.UILayout, stored: dict[str, dict], name: str) -> None:
-    """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius."""
-    drawn = stored["drawn"].get(name, {})
+def draw_extremes(
+    context: bpy.types.Context,
+    layout: bpy.types.UILayout,
+    seen: dict[str, float],
+    percent: float,
+    again: tuple[str, set[str]],
+) -> None:
+    """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius.
+
+    seen: its extremes; percent: the radius, of the diagonal; again: the operator that bakes it, and the values.
+    """
     sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
-    sentence = next((words for word, words in sides.items() if drawn.get(word, 0.0) > color_maps.DARKEST), "")
-    diagonal = stored["mesh_report"].get("diagonal", 0.0)
-    if not (sentence and diagonal > 0):
+    sentence = next((words for word, words in sides.items() if seen.get(word, 0.0) > color_maps.MOST_EXTREME), "")
+    if not (sentence and percent > 0):
         return
+    operator, names = again
+    masks = presets.masks_of(names)
     column = layout.column(align=True)
     sentence_lines(context, column, sentence, "INFO")
     row = column.row(align=True)
-    percent, size = 100 * drawn.get("radius", 0.0) / diagonal, context.scene.paradesc.radius_fit
     for text, step in (("Finer", -1), ("Broader", 1)):
-        asked = row.operator("paradesc.bake", text=label(text), translate=False)
-        asked.mask = next(iter(presets.masks_of({name})), PANEL[0])
-        asked.fit, asked.radius = next_radius(size, percent, step)
+        asked = row.operator(operator, text=label(text), translate=False)
+        asked.mask = masks[0] if len(masks) == 1 else PANEL[0]
+        asked.fit, asked.radius = next_radius(context.scene.paradesc.radius_fit, percent, step)
 
 
 def next_radius(size: str, percent: float, step: int) -> tuple[str, float]:

@@ -54,7 +54,7 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
         """Draws the radius's unit, what it is as a length, further radii, and the space."""
         column = layout.column(align=True)
         setting(column, settings, "radius_unit")
-        target = next(iter(targets.chosen(context)), None)
+        target = targets.first(context)
         words = radius_words(context.scene, settings, target) if target is not None else ""
         if words:
             split = layout.split(factor=0.4)
