@@ -6,7 +6,7 @@
 struct Moments {
   float area;          // sum of w
   float squares;       // sum of w^2
-  float facets;        // sum of w times the area that a neighbor stands for
+  float facets;        // sum of w by the area of triangles
   vec3 offset;         // sum of w d, d in units of r
   vec3 normal;         // sum of w m, m = n_i - n: the normal less that of the center
   float bend;          // sum of w |m|^2
@@ -104,7 +104,7 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
 #if !(MAP && defined(WIDE_NEIGHBORS)) // no variate is taken of a map over wide neighbors
   vec3 turn = neighbor.normal - center.normal;
   sums.moments.squares += neighbor.weight * neighbor.weight;
-  sums.moments.facets += neighbor.weight * neighbor.area;
+  sums.moments.facets += neighbor.weight * neighbor.facet;
   sums.moments.offset += neighbor.weight * d;
   sums.moments.noise += neighbor.weight * neighbor.noise;
   sums.moments.normal += neighbor.weight * turn;
@@ -135,7 +135,8 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   neighbor.rho = length(neighbor.offset);
   neighbor.mean_rho = neighbor.rho;
   neighbor.normal = normal;
-  neighbor.noise = NOT_A_NUMBER; // texels do not know it
+  neighbor.noise = NOT_A_NUMBER; // texels know neither
+  neighbor.facet = NOT_A_NUMBER;
 #if FACES
   neighbor.face = face;
 #endif
@@ -171,7 +172,6 @@ struct Fit {
   vec3 normal; // the mean of n_i; the plane is at right angles to it
   vec3 t1;     // tangents
   vec3 t2;
-  vec3 disk;   // sum of w x x^T, x in units of r from the center
   vec3 shape;  // the shape operator in units of 1/r: s_xx, s_xy, s_yy
   float unexplained; // sum of w |n_i - n(x)|^2, n(x) the normal that S says
 };
@@ -182,8 +182,20 @@ vec3 in_plane(vec3 diagonal, vec3 beside, vec3 t1, vec3 t2) {
   return vec3(form(diagonal, beside, t1, t1), form(diagonal, beside, t1, t2), form(diagonal, beside, t2, t2));
 }
 
-// S minimizes the sum of w |S x - m|^2 over symmetric 2x2 matrices, x and m as the plane of the mean normal has them and about their
-// means. Does not exist where x does not span the plane.
+// S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. xx: sum of w x x^T. xy: of w: x1 y1, x1 y2 + x2 y1, x2 y2. False where
+// x does not span the plane.
+bool least_squares(vec3 xx, vec3 xy, OUT(vec3) shape) {
+  shape = vec3(0.0f);
+  float spread = xx.x * xx.z - xx.y * xx.y;
+  float trace = xx.x + xx.z;
+  if (!(spread > 1e-4f * trace * trace)) return false;
+  vec2 ratio = xx.y / vec2(xx.x, xx.z);
+  float s12 = (xy.y - ratio.x * xy.x - ratio.y * xy.z) / (trace - xx.y * (ratio.x + ratio.y));
+  shape = vec3((xy.x - s12 * xx.y) / xx.x, s12, (xy.z - s12 * xx.y) / xx.z);
+  return true;
+}
+
+// By positions and normals as the plane of the mean normal has them, about their means.
 Fit fit_shape_operator(Moments m, vec3 center_normal) {
   Fit fit;
   fit.exists = false;
@@ -193,18 +205,11 @@ Fit fit_shape_operator(Moments m, vec3 center_normal) {
   vec3 sum = m.normal + (1.0f + float(LEAST_MEAN_NORMAL)) * m.area * center_normal;
   fit.normal = dot(sum, sum) > 0.0f ? normalize(sum) : center_normal;
   tangents(fit.normal, fit.t1, fit.t2);
-  fit.disk = in_plane(m.extent, m.extent_mixed, fit.t1, fit.t2);
   if (!(m.area > 0.0f)) return fit;
   vec3 mean = m.offset / m.area;
   vec3 xx = in_plane(m.extent - m.offset * mean, m.extent_mixed - 0.5f * mixed(m.offset, mean), fit.t1, fit.t2);
   vec3 xy = in_plane(m.turn - m.normal * mean, 0.5f * (m.turn_mixed - mixed(m.normal, mean)), fit.t1, fit.t2) * vec3(1.0f, 2.0f, 1.0f);
-  float spread = xx.x * xx.z - xx.y * xx.y;
-  float trace = xx.x + xx.z;
-  if (!(spread > 1e-4f * trace * trace)) return fit;
-  vec2 ratio = xx.y / vec2(xx.x, xx.z);
-  float s12 = (xy.y - ratio.x * xy.x - ratio.y * xy.z) / (trace - xx.y * (ratio.x + ratio.y));
-  fit.shape = vec3((xy.x - s12 * xx.y) / xx.x, s12, (xy.z - s12 * xx.y) / xx.z);
-  fit.exists = true;
+  fit.exists = least_squares(xx, xy, fit.shape);
   fit.unexplained = max(m.bend - dot(m.normal, m.normal) / m.area - dot(fit.shape, xy), 0.0f);
   return fit;
 }
@@ -217,23 +222,14 @@ bool is_rough(Moments m, vec3 center_normal) {
 
 // Eigenvalues and eigenvectors of S, which is given as the tangents have it.
 void find_directions(vec3 shape, vec3 t1, vec3 t2, INOUT(Neighborhood) neighborhood) {
-  float mean = 0.5f * (shape.x + shape.z);
+  neighborhood.eigenvalues = eigenvalues_of(shape);
   vec2 gap = vec2(0.5f * (shape.x - shape.z), shape.y);
   float half_gap = length(gap);
-  neighborhood.eigenvalues = vec2(mean + half_gap, mean - half_gap);
   // Half of the angle of gap, from whichever of its two forms does not cancel.
   vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
   e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
   neighborhood.direction_max = t1 * e.x + t2 * e.y;
   neighborhood.direction_min = t2 * e.x - t1 * e.y;
-}
-
-// S as the tangents of the center have it.
-vec3 shape_at(Center center, Fit fit) {
-  vec2 a = vec2(dot(center.t1, fit.t1), dot(center.t1, fit.t2)), b = vec2(dot(center.t2, fit.t1), dot(center.t2, fit.t2));
-  vec3 s = fit.shape / params.radius;
-  return vec3(normal_curvature(s, outer(a)), s.x * a.x * b.x + s.y * (a.x * b.y + a.y * b.x) + s.z * a.y * b.y,
-              normal_curvature(s, outer(b)));
 }
 
 // The standard error of H that independent noise of the vertices makes. H is, by Gauss's theorem, a sum over heights z: the ball counts
@@ -299,13 +295,15 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
   Moments m = sums.moments;
   Neighborhood neighborhood = unfitted_neighborhood(scale * m.area, scale);
   Fit fit = fit_shape_operator(m, sums.center.normal);
-  if (fit.exists) {
-    neighborhood.shape = shape_at(sums.center, fit);
+  vec3 t1 = sums.center.t1, t2 = sums.center.t2;
+  vec3 xx = in_plane(m.extent, m.extent_mixed, t1, t2), xy = in_plane(m.turn, 0.5f * m.turn_mixed, t1, t2) * vec3(1.0f, 2.0f, 1.0f);
+  if (fit.exists && least_squares(xx, xy, neighborhood.shape)) {
+    neighborhood.shape /= params.radius;
     find_directions(fit.shape / params.radius, fit.t1, fit.t2, neighborhood);
     neighborhood.standard_error = standard_error_of(m);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
-    vec3 off = abs(scale * fit.disk / disk - vec3(1.0f, 0.0f, 1.0f));
+    vec3 off = abs(scale * xx / disk - vec3(1.0f, 0.0f, 1.0f));
     neighborhood.deviation = max(max(off.x, off.z), off.y);
     neighborhood.tolerance = disk_tolerance(m);
     neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f

@@ -34,7 +34,7 @@ TestMesh noisy(TestMesh mesh, double deviation) {
 // 95 % are wanted. Normals of rough places and of smooth ones blur by different amounts, for which there is room.
 TEST_P(StandardError, covers_what_noise_changes) {
   if (is_device()) GTEST_SKIP() << "Texels do not know the noise of positions.";
-  for (const double share_of_diagonal : {0.06, 0.1}) {
+  for (const double share_of_diagonal : {0.04, 0.08}) {
     const Settings settings{.radius = share_of_diagonal};
     const std::vector<float> before = compute_one(mesh, "mean_curvature", settings);
     const double edge = 0.047; // the mean one

@@ -24,11 +24,24 @@ def draw_descriptors(folder: str) -> None:
         elif row.name == "harris":
             box = subjects.rounded_box()
             image = subjects.drawn(box, "--descriptors", row.name, "--radius", "0.08")
+        elif row.name == "standard_error":
+            image = subjects.drawn(noisy(subjects.monkey()), "--descriptors", row.name, "--radius", "0.04")
         else:
             words = ["--descriptors", row.name, "--radius", str(subjects.RADIUS_PERCENT / 100)]
             words += ["--color-map", "grey"] if row.name in MASKS else []
             image = subjects.drawn(subjects.monkey(), *words)
         png.write_png(Path(folder) / f"{row.name}.png", subjects.trimmed(image))
+
+
+def noisy(made: bpy.types.Object) -> bpy.types.Object:
+    """The object, its vertices moved at random by up to a tenth of a mean edge, from nothing at its left to that at its right."""
+    positions = np.array([vertex.co for vertex in made.data.vertices])
+    ends = positions[np.array([edge.vertices[:] for edge in made.data.edges])]
+    length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()
+    across = (positions[:, 0] - positions[:, 0].min()) / np.ptp(positions[:, 0])
+    moves = 0.1 * length * across[:, None] * np.random.default_rng(0).normal(size=positions.shape)
+    made.data.vertices.foreach_set("co", (positions + moves).ravel())
+    return made
 
 
 def lines_along(name: str) -> np.ndarray:

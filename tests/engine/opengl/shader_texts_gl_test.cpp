@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "descriptor/registry.h"
 
 namespace paradesc {
 namespace {

@@ -158,7 +158,7 @@ template <class Wide> struct Adder {
 
   // What the parts of blocks come to.
   struct BlockSums {
-    Lanes area = 0.0f, squares = 0.0f, bend = 0.0f, noise = 0.0f;
+    Lanes area = 0.0f, squares = 0.0f, bend = 0.0f, noise = 0.0f, facets = 0.0f;
     Vector<3, Lanes> offset{Lanes(0.0f)}, normal{Lanes(0.0f)}, extent{Lanes(0.0f)}, extent_mixed{Lanes(0.0f)},
         turn{Lanes(0.0f)}, turn_mixed{Lanes(0.0f)}; // positions not in units of the radius
     Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as SampleBlock has it
@@ -184,6 +184,7 @@ template <class Wide> struct Adder {
     to.squares += weight * weight;
     to.offset += weight * middle;
     to.normal += weighted;
+    to.facets += weight * load(block.facet + first);
     to.noise += mix(0.0f, weight * load(block.noise + first), chosen);
     to.bend += dot(weighted, turn) + mix(0.0f, load(block.bend + first), chosen);
     to.extent += weight * squares;
@@ -200,7 +201,7 @@ template <class Wide> struct Adder {
     const float per_radius = 1.0f / kernel.params.radius;
     sums.moments.area += of_blocks.area;
     sums.moments.squares += of_blocks.squares;
-    sums.moments.facets += of_blocks.squares;
+    sums.moments.facets += of_blocks.facets;
     sums.moments.offset += of_blocks.offset * (per_radius * (1.0f / 3.0f));
     sums.moments.normal += of_blocks.normal;
     sums.moments.bend += of_blocks.bend;
@@ -309,6 +310,7 @@ template <class Wide> struct Adder {
     neighbor.area = seen.area;
     neighbor.weight = part.area;
     neighbor.near = Choices{};
+    neighbor.facet = seen.facet;
     neighbor.noise = mix(0.0f, seen.noise * (1.0f / (kernel.params.radius * kernel.params.radius)), part.area > 0.0f);
   }
 

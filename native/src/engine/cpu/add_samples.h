@@ -19,7 +19,7 @@ struct alignas(16) FlatSample {
   float normal[3], turn;
   float along[2][3], normal_along[2][3];
   float face[3], reach;
-  float noise;    // as that of a Sample
+  float noise, facet; // as those of a Sample
   int32_t surfel; // of which it is, or is part
 };
 
@@ -39,7 +39,7 @@ struct SumCenter {
 // the ball.
 struct alignas(64) SampleBlock {
   float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], reach[block_lanes];
-  float normal[3][block_lanes], area[block_lanes], noise[block_lanes];
+  float normal[3][block_lanes], area[block_lanes], noise[block_lanes], facet[block_lanes];
   float bend[block_lanes];       // their area times how much normals vary
   float turning[6][block_lanes]; // their area times how normals vary with positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
 };

@@ -54,6 +54,7 @@ void ClusterSums::add(const Sample &triangle) {
   sums_.normal += triangle.area * triangle.normal;
   sums_.face += triangle.area * triangle.face;
   sums_.noise += triangle.area * triangle.noise;
+  sums_.facet += triangle.area * triangle.area;
   sums_.variance += triangle.area * variance;
   sums_.normal_variance += triangle.area * normal_variance;
 }
@@ -66,6 +67,7 @@ Cluster ClusterSums::cluster() const {
   whole.normal *= share;
   whole.face *= share;
   whole.noise *= share;
+  whole.facet *= share;
   whole.variance = sums_.variance * share - glm::outerProduct(gap, gap);
   whole.normal_variance = sums_.normal_variance * share - glm::outerProduct(whole.normal, gap);
   return whole;
@@ -79,6 +81,7 @@ Sample sample_of(const Cluster &cluster, float lean) {
   sample.face = cluster.face;
   sample.area = cluster.area;
   sample.noise = cluster.noise;
+  sample.facet = cluster.facet;
   sample.reach = cluster.reach;
   sample.turn = tangent(lean);
   const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));

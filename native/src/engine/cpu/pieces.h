@@ -17,6 +17,7 @@ struct Sample {
   float reach = 0; // no point of it is farther from its position
   float turn = 0;  // no triangle of it, or around it, leans from face by an angle of a larger tangent
   float noise = 0; // variance along the normal; NaN where it is not known
+  float facet = 0; // area of the triangle it is of, or mean of those
 };
 
 // corners, normals: at each of three, in turning order; between them normals have the directions of what is linear. lean: how far
@@ -29,7 +30,7 @@ struct Cluster {
   vec3 normal{0.0f};
   vec3 face{0.0f};
   float area = 0;
-  float noise = 0;            // likewise
+  float noise = 0, facet = 0; // likewise
   float reach = 0;            // no point of it is farther from its position
   mat3 variance{0.0f};        // of positions
   mat3 normal_variance{0.0f}; // of normals (rows) with positions (columns)

@@ -20,6 +20,7 @@ FlatSample flat(const Sample &sample, int32_t surfel) {
   to.reach = sample.reach;
   to.turn = sample.turn;
   to.noise = sample.noise;
+  to.facet = sample.facet;
   to.surfel = surfel;
   return to;
 }
@@ -36,7 +37,7 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
   constexpr float nowhere = 1e18f;
   std::fill_n(&block.corner[0][0][0], sizeof block.corner / sizeof(float), nowhere);
   for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.reach, block.normal[0], block.normal[1],
-                       block.normal[2], block.area, block.noise, block.bend})
+                       block.normal[2], block.area, block.noise, block.facet, block.bend})
     std::fill_n(column, block_lanes, 0.0f);
   std::fill_n(&block.turning[0][0], 6 * block_lanes, 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -48,6 +49,7 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
     }
     block.area[i] = samples[i].area;
     block.noise[i] = samples[i].noise;
+    block.facet[i] = samples[i].facet;
     const auto turning = [&](int a, int b) {
       float sum = 0.0f;
       for (int k = 0; k < 2; ++k) sum += samples[i].along[k][a] * samples[i].normal_along[k][b];

@@ -75,7 +75,7 @@ constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
 // Samples as the center sees them.
 struct Seen {
   Vector<3, Lanes> offset, along[2], normal, normal_along[2], face;
-  Lanes area, per_area, noise;
+  Lanes area, per_area, noise, facet;
 
   [[gnu::always_inline]] Seen(const FlatSample *const *samples, const Vector<3, Lanes> &center) {
     const Vector<4, Lanes> position = gather<offsetof(FlatSample, position)>(samples);
@@ -88,7 +88,9 @@ struct Seen {
     normal_along[0] = first3(gather<offsetof(FlatSample, normal_along[0])>(samples));
     normal_along[1] = first3(gather<offsetof(FlatSample, normal_along[1])>(samples));
     face = first3(gather<offsetof(FlatSample, face)>(samples));
-    noise = gather<offsetof(FlatSample, noise)>(samples).x;
+    const Vector<4, Lanes> of_triangle = gather<offsetof(FlatSample, noise)>(samples);
+    noise = of_triangle.x;
+    facet = of_triangle.y;
   }
 
   Vector<3, Lanes> at(const Lanes *place) const { return offset + along[0] * place[0] + along[1] * place[1]; }

@@ -48,6 +48,8 @@ public:
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     noise_ = source.noise_of(triangle);
+    const vec3 a = source.position(3 * triangle);
+    facet_ = 0.5f * length(cross(source.position(3 * triangle + 1) - a, source.position(3 * triangle + 2) - a));
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
       whole_.corner[k] = {source.position(corner),
@@ -139,6 +141,7 @@ private:
     }
     Sample sample = sample_of_triangle(positions, normals, piece.at_rim() ? lean_ : 0.0f);
     sample.noise = noise_;
+    sample.facet = facet_;
     samples_.sample.push_back(flat(sample, surfel_));
     if (!has_map_) return;
     const auto value = [&](int k) { return at(map_, piece.corner[k].weights); };
@@ -147,7 +150,7 @@ private:
 
   const Surfels &surfels_;
   Piece whole_;
-  float lean_, noise_;
+  float lean_, noise_, facet_;
   vec3 middle_;
   float limit_;
   int32_t surfel_;

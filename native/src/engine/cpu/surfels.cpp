@@ -417,6 +417,7 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean) {
   }
   Sample sample = sample_of_triangle(corners, normals, lean);
   sample.noise = source.noise_of(triangle);
+  sample.facet = sample.area;
   return sample;
 }
 
