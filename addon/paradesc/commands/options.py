@@ -39,12 +39,15 @@ def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> Non
 
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Adds the input file."""
-    known = ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .fbx or .usd; in Blender: the open file"
+    known = (
+        ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .vtp, .vtk, .gii, a surface of FreeSurfer (lh.white), .fbx or .usd; "
+        "in Blender: the open file"
+    )
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
     parser.add_argument(
         "--reader", choices=READERS, default="auto",
         help="what reads the input: Blender where it is installed (default), or always Paradesc itself (.obj, .ply, "
-        ".stl, .off, .glb, .gltf), with the vertices and axes of the file",
+        ".stl, .glb, .gltf; others it reads anyway), with the vertices and axes of the file",
     )  # fmt: skip
 
 

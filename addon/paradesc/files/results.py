@@ -62,12 +62,7 @@ def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
 
 def write_ply(path: Path, baked: Baked) -> None:
     """Writes a binary PLY in object space: vertices with the first descriptor's colors, and all values."""
-    values = {}
-    for name, array in {**baked.results.values, **baked.results.extras}.items():
-        if array.ndim == 1:
-            values[name] = array
-        else:
-            values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
+    values = columns_of({**baked.results.values, **baked.results.extras})
     place = baked.arrays.positions.dtype.newbyteorder("<")
     layout = [("x", place), ("y", place), ("z", place), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
     vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
@@ -87,6 +82,15 @@ def write_ply(path: Path, baked: Baked) -> None:
     header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
     path.write_bytes("\n".join(header).encode() + vertices.tobytes() + faces.tobytes())
+
+
+def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The (n,) columns of values (n,) or (n, 3), of which those of directions are named name_x, name_y and name_z."""
+    found = {}
+    for name, array in values.items():
+        parts = {name: array} if array.ndim == 1 else {f"{name}_{axis}": array[:, k] for k, axis in enumerate("xyz")}
+        found.update(parts)
+    return found
 
 
 def write_picture(path: Path, baked: Baked) -> None:
