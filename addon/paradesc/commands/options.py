@@ -159,6 +159,7 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         more_radii=tuple(more),
         corner_threshold=given_or(arguments, "corner_threshold", base.corner_threshold),
         space=given_or(arguments, "space", base.space),
+        domain=given_or(arguments, "domain", base.domain),
         memory_limit=given_or(arguments, "memory_limit", base.memory_limit),
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..bridge import origin
 from ..core.polygons import PolygonMesh, vertices_at
-from .results import Baked, columns_of
+from .results import Baked
 
 # FreeSurfer's surfaces are named after what they are, as in lh.white, and so are its values, as in lh.curv.
 SURFACES = (".white", ".pial", ".smoothwm", ".inflated", ".orig", ".sphere")
@@ -72,12 +72,11 @@ def write_gifti(path: Path, baked: Baked) -> None:
     """Writes an array of the intent SHAPE for each descriptor, the coverage and the mask; directions by components."""
     import nibabel
 
-    columns = columns_of({**baked.results.values, **baked.results.extras}).items()
     arrays = [
         nibabel.gifti.GiftiDataArray(
             np.ascontiguousarray(values, np.float32), "NIFTI_INTENT_SHAPE", "NIFTI_TYPE_FLOAT32", meta={"Name": name}
         )
-        for name, values in columns
+        for name, values in baked.columns.items()
     ]
     path.write_bytes(nibabel.GiftiImage(darrays=arrays).to_bytes())
 
