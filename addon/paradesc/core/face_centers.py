@@ -17,6 +17,11 @@ DOMAINS = ("vertices", "faces")
 # comes so near to another texel's that this one would be evaluated there.
 AROUND = np.array([(-1, 0), (1, -1), (0, 1)]) / 8
 LOW_COVERAGE = 0.9  # below which the mask says so, as at vertices
+# What a report says of the UV map, which here is none of the mesh's.
+OF_UV_MAPS = (
+    "zero_uv_area_triangles", "flipped_triangles", "charts", "seam_edges", "self_seam_edges", "unlinked_edges",
+    "uv_remapped",
+)  # fmt: skip
 
 
 def run(
@@ -105,6 +110,7 @@ def at_faces(
         values=values,
         coverage=np.nan_to_num(coverage),
         mask=mask_of(found.mask[laid.triangle_vertices], coverage, faces, count),
+        mesh_report={**found.mesh_report, **dict.fromkeys(OF_UV_MAPS, 0)},
         maps={},
         layout=None,
         corners=None,

@@ -42,12 +42,8 @@ class Baked:
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """The results as (n,) columns, of which those of directions are named name_x, name_y and name_z."""
-        found = {}
-        for name, array in {**self.results.values, **self.results.extras}.items():
-            parts = {name: array} if array.ndim == 1 else {f"{name}_{axis}": array[:, k] for k, axis in enumerate("xyz")}
-            found.update(parts)
-        return found
+        """The results as (n,) columns."""
+        return columns_of({**self.results.values, **self.results.extras})
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
@@ -60,6 +56,15 @@ class Baked:
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
         return color_maps.colors(self.results.values[name], self.shown(name))
+
+
+def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The (n,) columns of values (n,) or (n, 3), of which those of vectors are named name_x, name_y and name_z."""
+    found = {}
+    for name, array in values.items():
+        parts = {name: array} if array.ndim == 1 else {f"{name}_{axis}": array[:, k] for k, axis in enumerate("xyz")}
+        found.update(parts)
+    return found
 
 
 def write_npz(path: Path, baked: Baked) -> None:

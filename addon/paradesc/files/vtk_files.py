@@ -15,7 +15,17 @@ KINDS = {"<f4": "Float32", "<f8": "Float64", "<i4": "Int32", "<i8": "Int64"}
 
 
 def write_vtp(path: Path, baked: Baked) -> None:
-    """Writes VTK's PolyData as XML; arrays lie behind it, each after its length in bytes."""
+    """Writes what was baked as .vtp."""
+    write_polydata(path, *parts_of(baked), baked.at_faces)
+
+
+def write_polydata(
+    path: Path, positions: np.ndarray, triangles: np.ndarray, values: dict[str, np.ndarray], at_faces: bool
+) -> None:
+    """Writes VTK's PolyData as XML; arrays lie behind it, each after its length in bytes.
+
+    positions: (n, 3). triangles: (m, 3) int32. values: (n,) or (n, 3) float32 by name, or (m,) and (m, 3) at_faces.
+    """
     blocks: list[bytes] = []
     at = 0
 
@@ -28,11 +38,10 @@ def write_vtp(path: Path, baked: Baked) -> None:
         at += len(blocks[-1])
         return line
 
-    positions, triangles, values = parts_of(baked)
     ends = 3 * np.arange(1, len(triangles) + 1, dtype="<i8")
     first = next(iter(values))
     active = "Scalars" if values[first].ndim == 1 else "Vectors"
-    domain = "CellData" if baked.at_faces else "PointData"
+    domain = "CellData" if at_faces else "PointData"
     header = (
         '<?xml version="1.0"?>\n'
         '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n<PolyData>\n'
