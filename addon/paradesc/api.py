@@ -72,17 +72,14 @@ def compute(
     uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
     sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
-    domain: "faces" evaluates each at its middle, on the processor.
     estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or "extrapolated" to radius 0.
-    map_descriptor: on which the operators work (gradient_magnitude, laplacian, harris and so on).
+    domain: "faces" measures each at its middle. map_descriptor: what operators (laplacian, harris and so on) work on.
     backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
-    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel.
-    more: what is needed less often, see numpy_api.options.MoreOptions and the manual's reference.
+    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel. more: MoreOptions.
 
-    Values are float32, (n,) or (n, 3); NaN at vertices without a face, at faces without an area, and wherever a
-    descriptor does not exist. The
-    arrays given are not changed. May be called from several threads at once. Ctrl-C ends it within a tenth of a second.
+    Values are float32, (n,) or (n, 3); NaN at vertices without a face, at faces without an area, and wherever else a
+    descriptor does not exist. Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
     Errors: InputError, a ValueError, for arrays (empty ones too) and options that cannot be used; ParadescError for
     what cannot be computed here (no such device, too little memory) or was cancelled. Each is one sentence.
     """
@@ -97,8 +94,7 @@ def compute(
         check_normals(settings, corner_normals)
         points, polygons = surface_of(vertices, faces)
         arrays = inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
-        at_faces = settings.domain == "faces"
-        return Result(face_centers.run(arrays, settings, told, polygons.sizes) if at_faces else job.run(arrays, settings, told))
+        return Result(face_centers.run_where_asked(arrays, settings, told, polygons.sizes))
 
 
 class Mesh:
@@ -187,6 +183,8 @@ class Mesh:
         with plain_errors(), self._lock:
             stream = self._opened()
             settings = options.settings_of(descriptors, radius, {**named, **more, **self._machine})
+            if settings.domain != "vertices":
+                raise InputError("A paradesc.Mesh has values at vertices; paradesc.compute() has them at faces.")
             told = cancelling(progress)
             check_normals(settings, corner_normals)
             own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)

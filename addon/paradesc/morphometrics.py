@@ -1,4 +1,4 @@
-"""Adds the command `morphometrics paradesc` to surface_morphometrics 2: curvature of membranes in place of PyCurv's step.
+"""Adds the command `paradesc` to surface_morphometrics 2: curvature of membranes in place of PyCurv's step.
 
 Each NAME.surface.vtp of the working folder becomes NAME.AVV_rhR.vtp, .csv and, where graph-tool is installed, .gt: the
 files that the next steps look for, with PyCurv's names, signs and one value for each triangle. Imports no part of
@@ -26,7 +26,7 @@ NAMES = (
 @click.command(name="paradesc", short_help="Curvature by Paradesc, in place of pycurv (step 2), in seconds.")
 @click.argument("configfile", type=click.Path(exists=True))
 @click.argument("surface", required=False)
-@click.option("--radius", type=float, help="Of the neighborhood, in the surface's unit; default: radius_hit times pi/2.")
+@click.option("--radius", type=float, help="Of the neighborhood, in the surface's unit (default: radius_hit pi/2).")
 @click.option("-f", "--force", is_flag=True, help="Write over results that are there, pycurv's among them.")
 def command(configfile: str, surface: str | None, radius: float | None, force: bool) -> None:
     """Computes curvature for the next steps, by Paradesc in place of pycurv.
@@ -71,10 +71,10 @@ def measure(path: Path, hit: float, radius: float, force: bool) -> list[Path]:
         raise InputError(f"{there[0]} is there already; add --force to write over it.")
     (mesh,) = mesh_files.read(path)
     points, triangles, values = quantities(mesh.arrays.positions, mesh.arrays.triangle_vertices, radius)
-    write_whole(out, (points, triangles, values, True), lambda place, content: vtk_files.write_polydata(place, *content))
+    write_whole(out, None, lambda place, _: vtk_files.write_polydata(place, points, triangles, values, True))
     write_whole(table, values, write_csv)
     for one in graph:
-        write_whole(one, (points, triangles, values), lambda place, content: write_graph(place, *content))
+        write_whole(one, None, lambda place, _: write_graph(place, points, triangles, values))
     return [out, table, *graph]
 
 
@@ -130,7 +130,7 @@ def write_csv(path: Path, values: "dict[str, np.ndarray]") -> None:
 
 
 def write_graph(path: Path, points: "np.ndarray", triangles: "np.ndarray", values: "dict[str, np.ndarray]") -> None:
-    """Writes graph-tool's file of the triangles, of which those with an edge in common are connected, as PyCurv does."""
+    """Writes graph-tool's file of the triangles, connected where they have an edge in common, as PyCurv does."""
     import graph_tool
     import numpy as np
 

@@ -73,7 +73,8 @@ def test_a_triangle_is_a_face_that_is_measured_at_a_third_of_each_corner(triangl
     """The library's own evaluation at places of a UV map, laid out by hand, says the same."""
     points, faces = triangles
     few = np.arange(0, len(faces), 97)
-    arrays = bridge.MeshArrays(points, faces.reshape(-1).astype(np.int32), np.arange(faces.size, dtype=np.int32).reshape(-1, 3))
+    corners = np.arange(faces.size, dtype=np.int32).reshape(-1, 3)
+    arrays = bridge.MeshArrays(points, faces.reshape(-1).astype(np.int32), corners)
     side = 64
     uvs = np.zeros((len(faces), 3, 2), np.float32)
     places = np.column_stack([3 * (np.arange(len(few)) % 20), 3 * (np.arange(len(few)) // 20)]) + 1.5
@@ -95,18 +96,19 @@ def test_faces_without_an_area_are_undefined_and_take_nothing_from_their_neighbo
     assert found.mask[50:52].tolist() == [1, 1]
     assert found.coverage[50:52].tolist() == [0, 0]
     rest = np.delete(found["mean_curvature"], [50, 51])
-    np.testing.assert_allclose(rest, paradesc.compute(points, faces, radius=0.05, domain="faces")["mean_curvature"], rtol=1e-4)
+    sound = paradesc.compute(points, faces, radius=0.05, domain="faces")["mean_curvature"]
+    np.testing.assert_allclose(rest, sound, rtol=1e-4)  # sums run over the faces in another order
     assert found.report["field_report"]["undefined_vertices"] == 2
 
 
 def test_polygons_are_measured_at_their_middles_wherever_their_triangles_meet():
-    """A plane cut into concave and large polygons; a place of one kind is where the height says it is."""
     corners = np.array([[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]])
     polygon = np.column_stack([corners, np.zeros(5)])
     triangle_corners = polygon[[[0, 1, 3], [1, 2, 3], [0, 3, 4]]]
     chosen, weights = face_centers.middles(triangle_corners, np.zeros(3, int), 1)
     place = weights[0] @ triangle_corners[chosen[0]]
-    area = 1 / 2 * np.abs(np.cross(triangle_corners[:, 1] - triangle_corners[:, 0], triangle_corners[:, 2] - triangle_corners[:, 0])[:, 2])
+    one, other = triangle_corners[:, 1] - triangle_corners[:, 0], triangle_corners[:, 2] - triangle_corners[:, 0]
+    area = np.linalg.norm(np.cross(one, other), axis=1)
     middle = (triangle_corners.mean(axis=1) * area[:, None]).sum(axis=0) / area.sum()
     assert np.linalg.norm(place - middle) < 0.15  # the middle lies beside the polygon, and is brought into it
     square = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
@@ -148,9 +150,14 @@ def test_what_is_not_measured_at_faces_is_refused(triangles, words, sentence):
         paradesc.compute(*triangles, **{"domain": "faces", **words})
 
 
+def test_a_mesh_that_is_kept_says_who_has_values_at_faces(triangles):
+    with paradesc.Mesh(*triangles) as mesh, pytest.raises(InputError, match="has values at vertices"):
+        mesh.compute(domain="faces")
+
+
 def test_more_faces_than_the_map_has_texels_are_refused(triangles, monkeypatch):
     monkeypatch.setattr(face_centers.texel_centers, "LARGEST_MAP", 16)
-    with pytest.raises(InputError, match="The mesh has 7,680 faces; values at faces end at 256."):
+    with pytest.raises(InputError, match="The mesh has 7,680 faces; values at faces end at 256"):
         paradesc.compute(*triangles, domain="faces")
 
 
@@ -171,7 +178,8 @@ def test_trimesh_and_pyvista_get_values_of_faces():
 @pytest.fixture(scope="module")
 def baked():
     arrays = as_arrays(*cube_sphere(4))
-    settings = job.Settings(("mean_curvature", "principal_direction_max"), bridge.Options(radius=0.1), "cpu", domain="faces")
+    names = ("mean_curvature", "principal_direction_max")
+    settings = job.Settings(names, bridge.Options(radius=0.1), "cpu", domain="faces")
     return results.Baked("sphere", face_centers.run(arrays, settings), arrays, np.eye(4))
 
 
@@ -192,7 +200,8 @@ def test_ply_and_npz_hold_values_of_faces(tmp_path, baked):
     mesh = trimesh.load(tmp_path / "a.ply", process=False)
     raw = mesh.metadata["_ply_raw"]["face"]["data"]
     assert np.array_equal(raw["mean_curvature"].reshape(-1), baked.results.values["mean_curvature"])
-    assert np.array_equal(raw["principal_direction_max_z"].reshape(-1), baked.results.values["principal_direction_max"][:, 2])
+    directions = baked.results.values["principal_direction_max"]
+    assert np.array_equal(raw["principal_direction_max_z"].reshape(-1), directions[:, 2])
     assert np.array_equal(mesh.faces, baked.arrays.triangle_vertices)
     results.write_npz(tmp_path / "a.npz", baked)
     kept = np.load(tmp_path / "a.npz")

@@ -360,14 +360,16 @@ VTP = {
 
 
 def gii(way="GZipBase64Binary", codes=("NIFTI_INTENT_POINTSET", "NIFTI_INTENT_TRIANGLE")):
-    text = '<?xml version="1.0" encoding="UTF-8"?>\n<!DOCTYPE GIFTI SYSTEM "http://www.nitrc.org/frs/download.php/1594/gifti.dtd">\n'
+    text = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    text += '<!DOCTYPE GIFTI SYSTEM "http://www.nitrc.org/frs/download.php/1594/gifti.dtd">\n'
     text += '<GIFTI Version="1.0" NumberOfDataArrays="2">'
     for code, values, kind in zip(codes, sphere(), ("FLOAT32", "INT32"), strict=True):
         content = values.astype({"FLOAT32": "<f4", "INT32": "<i4"}[kind]).tobytes()
         packed = base64.b64encode(zlib.compress(content) if "GZip" in way else content).decode()
         text += f'<DataArray Intent="{code}" DataType="NIFTI_TYPE_{kind}" ArrayIndexingOrder="RowMajorOrder" '
         text += f'Dimensionality="2" Dim0="{len(values)}" Dim1="3" Encoding="{way}" Endian="LittleEndian" '
-        text += f'ExternalFileName="" ExternalFileOffset=""><Data>{rows(values) if way == "ASCII" else packed}</Data></DataArray>'
+        data = rows(values) if way == "ASCII" else packed
+        text += f'ExternalFileName="" ExternalFileOffset=""><Data>{data}</Data></DataArray>'
     return (text + "</GIFTI>\n").encode()
 
 

@@ -208,7 +208,7 @@ VTK = [
     (changed_text(vtk(), b"218 float", b"219 float"), "it promises 657 numbers where it has others"),
     (changed_text(vtk(), b"218 float", b"x float"), 'it has "x" where a number of points or polygons should be'),
     (changed_text(vtk(), b" 218 float", b""), 'its line "POINTS" is not complete'),
-    (changed_text(vtk(), b"POINTS", b"POSITIONS"), 'it has "POSITIONS 218 float" where points or polygons should begin'),
+    (changed_text(vtk(), b"POINTS", b"PLACES"), 'it has "PLACES 218 float" where points or polygons should begin'),
     (changed_text(vtk(), b"POLYDATA", b"UNSTRUCTURED_GRID"), "it holds a UNSTRUCTURED_GRID, and no surface (POLYDATA)"),
     (changed_text(vtk(), b"432 1728", b"431 1728"), "it promises 431 polygons and has another number"),
     (changed_text(vtk(), b"432 1728", b"-1 1728"), 'it has "-1" where a number'),

@@ -1,15 +1,16 @@
 """surface_morphometrics 2 finds the command `paradesc`, which writes what its next steps read.
 
-That package, and graph-tool, are only in its own conda environment. In their place stand stubs of just what is used:
-`load_config` of surface_morphometrics/config_utils.py and the entry point group of surface_morphometrics/cli.py, as they
-are in 2.0.0b2 (repository GrotjahnLab/surface_morphometrics, commit e7f8683), and graph-tool's Graph by its manual. So
-these tests say that the command does what those sources ask for, and not that the real packages were run.
+That package, and graph-tool, are installed by conda alone. In their place stand stubs of just what is used:
+`load_config` of surface_morphometrics/config_utils.py, as it is in 2.0.0b2 (repository
+GrotjahnLab/surface_morphometrics, commit e7f8683), and graph-tool's Graph by its manual. So these tests do not say that
+the real packages were run. On 2026-11-27 the sources of that commit were: `morphometrics --help` lists the command,
+`morphometrics paradesc config.yml` writes the files of a sphere, and `morphometrics export_obj` makes a colored .obj of
+them. No real graph-tool has read a .gt.
 """
 
 import csv
 import math
 import sys
-import tomllib
 import types
 
 import numpy as np
@@ -69,6 +70,7 @@ def table(path):
 
 
 def test_the_entry_point_names_the_command():
+    tomllib = pytest.importorskip("tomllib", reason="Python 3.10 has none")
     listed = tomllib.loads((ADDON.parent / "pyproject.toml").read_text())["project"]["entry-points"]
     assert listed == {"morphometrics.commands": {"paradesc": "paradesc.morphometrics:command"}}
     assert isinstance(morphometrics.command, click.Command)

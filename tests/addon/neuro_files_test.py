@@ -26,11 +26,12 @@ def baked():
 @pytest.mark.parametrize("endian", ["big", "little"])
 def test_surfaces_of_gifti_are_read_as_nibabel_writes_them(tmp_path, encoding, endian):
     points, triangles = sphere()
+    made = nibabel.gifti.GiftiDataArray
     moved = nibabel.gifti.GiftiCoordSystem(0, 1, np.diag([2.0, 2.0, 2.0, 1.0]))
     arrays = [
-        nibabel.gifti.GiftiDataArray(points.astype("f4"), "NIFTI_INTENT_POINTSET", encoding=encoding, endian=endian, coordsys=moved),
-        nibabel.gifti.GiftiDataArray(triangles.astype("i4"), "NIFTI_INTENT_TRIANGLE", encoding=encoding, endian=endian),
-        nibabel.gifti.GiftiDataArray(points[:, 0].astype("f4"), "NIFTI_INTENT_SHAPE", encoding=encoding),
+        made(points.astype("f4"), "NIFTI_INTENT_POINTSET", encoding=encoding, endian=endian, coordsys=moved),
+        made(triangles.astype("i4"), "NIFTI_INTENT_TRIANGLE", encoding=encoding, endian=endian),
+        made(points[:, 0].astype("f4"), "NIFTI_INTENT_SHAPE", encoding=encoding),
     ]
     (tmp_path / "lh.gii").write_bytes(nibabel.GiftiImage(darrays=arrays).to_bytes())
     (mesh,) = mesh_files.read(tmp_path / "lh.gii")
@@ -62,7 +63,8 @@ def test_gifti_holds_each_value_under_its_name(tmp_path, baked):
     ]  # fmt: skip
     assert {array.intent for array in found.values()} == {nibabel.nifti1.intent_codes["NIFTI_INTENT_SHAPE"]}
     assert np.array_equal(found["mean_curvature"].data, baked.results.values["mean_curvature"])
-    assert np.array_equal(found["principal_direction_max_y"].data, baked.results.values["principal_direction_max"][:, 1])
+    directions = baked.results.values["principal_direction_max"]
+    assert np.array_equal(found["principal_direction_max_y"].data, directions[:, 1])
 
 
 @pytest.mark.slow

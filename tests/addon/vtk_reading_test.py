@@ -17,8 +17,8 @@ def polydata(points, faces):
     made, cells, places = vtk.vtkPolyData(), vtk.vtkCellArray(), vtk.vtkPoints()
     places.SetData(numpy_to_vtk(points, deep=True))
     offsets = np.concatenate([[0], np.cumsum([len(face) for face in faces])])
-    numbers = [numpy_to_vtkIdTypeArray(np.asarray(part, np.int64), deep=True) for part in (offsets, np.concatenate(faces))]
-    cells.SetData(*numbers)
+    parts = (np.asarray(part, np.int64) for part in (offsets, np.concatenate(faces)))
+    cells.SetData(*(numpy_to_vtkIdTypeArray(part, deep=True) for part in parts))
     made.SetPoints(places)
     made.SetPolys(cells)
     values = numpy_to_vtk(np.linspace(0, 1, len(points), dtype=np.float32), deep=True)
@@ -40,7 +40,10 @@ def check(path, points, faces):
     assert mesh.face_count == len(faces)
 
 
-@pytest.mark.parametrize(("mode", "base64", "packed", "wide", "big"), itertools.product((0, 1, 2), *[(False, True)] * 4))
+WAYS = list(itertools.product((0, 1, 2), *[(False, True)] * 4))
+
+
+@pytest.mark.parametrize(("mode", "base64", "packed", "wide", "big"), WAYS)
 def test_vtp_that_vtk_writes_is_read(tmp_path, mode, base64, packed, wide, big):
     points, faces = quads_and_triangles()
     writer = vtk.vtkXMLPolyDataWriter()

@@ -54,8 +54,8 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_output_files(bake)
     add_look_options(bake)
     add = bake.add_argument
-    add("--domain", choices=DOMAINS,
-        help="at vertices (default), or at the middles of faces, which .vtp, .vtk, .ply, .npz and .png take")  # fmt: skip
+    places = "measure at vertices (default), or at the middles of faces (.vtp, .vtk, .ply, .npz, .png)"
+    add("--domain", choices=DOMAINS, help=places)
     threshold = "corners have at least this share of the largest response (default: 0.05)"
     add("--corner-threshold", type=float, metavar="T", help=threshold)
     add("--fail-under-coverage", type=float, metavar="SHARE",
@@ -230,10 +230,10 @@ def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], war
                 failed.append(
                     f'The coverage of "{one.object_name}"{at} is {coverage:.4g}, below the {least:g} asked for.'
                 )
-            share = field["undefined_vertices"] / max(len(one.results.coverage), 1)
+            share, places = field["undefined_vertices"] / max(len(one.results.coverage), 1), one.results.settings.domain
             if most is not None and not share <= most:
                 failed.append(
-                    f'Of "{one.object_name}"{at}, {share:.4g} of the {one.results.settings.domain} are undefined; {most:g} are allowed.'
+                    f'Of "{one.object_name}"{at}, {share:.4g} of the {places} are undefined; {most:g} are allowed.'
                 )
     if arguments.fail_on_warnings and warnings:
         failed.append(f"There are warnings ({len(warnings)}): {warnings[0]}")
@@ -252,7 +252,8 @@ def print_summary(baked: results.Baked) -> None:
     texels = f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
     print(
         f"radius {field['radius']:.6g}{texels}, "
-        f"coverage {100 * field['coverage_mean']:.3f} %, undefined {found.settings.domain} {field['undefined_vertices']:,}"
+        f"coverage {100 * field['coverage_mean']:.3f} %, "
+        f"undefined {found.settings.domain} {field['undefined_vertices']:,}"
     )
     buffers = f", buffers {field['buffer_megabytes']:.1f} MB" if field["buffer_megabytes"] > 0 else ""
     places = f"{field['places']:,} places evaluated, memory about {field['memory_megabytes']:,.0f} MB"

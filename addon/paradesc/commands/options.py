@@ -40,8 +40,8 @@ def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> Non
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Adds the input file."""
     known = (
-        ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .vtp, .vtk, .gii, a surface of FreeSurfer (lh.white), .fbx or .usd; "
-        "in Blender: the open file"
+        ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .vtp, .vtk, .gii, a surface of FreeSurfer (lh.white), .fbx or "
+        ".usd; in Blender: the open file"
     )
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
     parser.add_argument(

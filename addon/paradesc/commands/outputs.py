@@ -96,7 +96,8 @@ def check_values(arguments: argparse.Namespace, settings: job.Settings) -> None:
     single = len(names) == 1 and bridge.components(settings.descriptors[0]) == 1
     for path in arguments.output if not single else ():
         if path.suffix.lower() == ".curv":
-            raise UsageError(f'"{path}" holds one number at each vertex; ask for one descriptor at one radius, or give a .gii.')
+            sentence = f'"{path}" holds one number at each vertex; ask for one descriptor at one radius, or give a .gii'
+            raise UsageError(f"{sentence}.")
 
 
 def check_tile_names(arguments: argparse.Namespace) -> None:

@@ -13,8 +13,8 @@ from ..bridge import InputError, MeshArrays, ProgressFunction, abi
 from . import advice, job, texel_centers, udim
 
 DOMAINS = ("vertices", "faces")
-# The corners of a triangle around a texel's middle, in texels. Wherever in the triangle that middle is, none of its border
-# comes so near to another texel's that this one would be evaluated there.
+# The corners of a triangle around a texel's middle, in texels: so few of them that wherever in the triangle that middle
+# is, none of its border comes near enough to another texel's middle for that texel to be evaluated on it.
 AROUND = np.array([(-1, 0), (1, -1), (0, 1)]) / 8
 LOW_COVERAGE = 0.9  # below which the mask says so, as at vertices
 # What a report says of the UV map, which here is none of the mesh's.
@@ -22,6 +22,16 @@ OF_UV_MAPS = (
     "zero_uv_area_triangles", "flipped_triangles", "charts", "seam_edges", "self_seam_edges", "unlinked_edges",
     "uv_remapped",
 )  # fmt: skip
+
+
+def run_where_asked(
+    arrays: MeshArrays,
+    settings: job.Settings,
+    progress: ProgressFunction | None = None,
+    sizes: np.ndarray | None = None,
+) -> job.Results:
+    """Computes at vertices by job.run(), or at faces by run(), as the settings say."""
+    return run(arrays, settings, progress, sizes) if settings.domain == "faces" else job.run(arrays, settings, progress)
 
 
 def run(

@@ -10,6 +10,7 @@ import numpy as np
 from ..bridge import MeshArrays, ProgressFunction
 from . import face_centers, job, texel_centers, udim
 
+
 @dataclass
 class TexelTiles:
     """Evaluates the texels of a tile when it is asked for."""

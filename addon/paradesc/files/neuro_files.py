@@ -1,4 +1,4 @@
-"""Reads surfaces of GIFTI (.gii) and FreeSurfer, and writes values for either (.gii, .curv), by nibabel. Never imports bpy.
+"""Reads surfaces of GIFTI and FreeSurfer, and writes values for either (.gii, .curv), by nibabel. Never imports bpy.
 
 nibabel is no part of Blender: it is imported where it is used, and a sentence says how to install it.
 """
@@ -36,10 +36,10 @@ def surface_of(load: Callable[[Path], tuple[object, object]]) -> Callable[[Path]
             points, triangles = load(path)
         except (MemoryError, OSError):
             raise
-        except Exception as error:  # noqa: BLE001 (nibabel says what is wrong with a file by errors of any type)
+        except Exception as error:  # nibabel says what is wrong with a file by errors of any type
             raise ValueError(f"nibabel finds it damaged ({str(error)[:LONGEST] or type(error).__name__})") from error
         if np.ndim(points) != 2 or np.shape(points)[1] != 3 or np.ndim(triangles) != 2 or np.shape(triangles)[1] != 3:
-            raise ValueError("it holds no triangles of points, but values perhaps; give the surface that they belong to")
+            raise ValueError("it holds no triangles of points, but values perhaps; give the surface of those")
         corners = vertices_at(triangles.reshape(-1), len(points)).astype(np.int32)
         return PolygonMesh(origin.stored(points.astype(np.float64)), corners, np.full(len(triangles), 3, np.int64))
 

@@ -14,7 +14,9 @@ from ..core.polygons import PolygonMesh, vertices_at
 from .strips import triangles_of_strips
 from .text_rows import numbers_in, plain, shown
 
-BEGIN = re.compile(rb"#\s*vtk\s+DataFile\s+Version\s+\d+(?:\.\d+)?[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)[ \t]*\r?\n", re.IGNORECASE)
+BEGIN = re.compile(
+    rb"#\s*vtk\s+DataFile\s+Version\s+\d+(?:\.\d+)?[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)[ \t]*\r?\n", re.IGNORECASE
+)
 KINDS = {
     b"bit": "u1", b"unsigned_char": "u1", b"char": "i1", b"unsigned_short": "u2", b"short": "i2", b"unsigned_int": "u4",
     b"int": "i4", b"unsigned_long": "u8", b"long": "i8", b"vtktypeint64": "i8", b"vtkidtype": "i4", b"float": "f4",
@@ -113,7 +115,8 @@ def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Cells]]:
 def check_kind(kind: bytes) -> None:
     """Refuses grids, of which only VTK itself knows the surface."""
     if kind.upper() != b"POLYDATA":
-        raise ValueError(f"it holds a {shown(kind).upper()}, and no surface (POLYDATA); extract its surface and save that")
+        sentence = f"it holds a {shown(kind).upper()}, and no surface (POLYDATA)"
+        raise ValueError(f"{sentence}; extract its surface and save that")
 
 
 def count_of(word: bytes) -> int:

@@ -88,7 +88,7 @@ class Document:
         """What packed the arrays, or nothing."""
         found = self.root.get("compressor", "")
         if found not in ("", ZLIB):
-            raise ValueError(f"its arrays are packed by {found}, which this reader does not know; save it with zlib or none")
+            raise ValueError(f"its arrays are packed by {found}, which is unknown here; save it with zlib or none")
         return found
 
     def unpacked(self, body: bytes, at: int) -> bytes:
@@ -113,11 +113,12 @@ class Document:
 
 
 def read(path: Path) -> PolygonMesh | None:
-    """The polygons of all pieces, None without any; raises ValueError if the file is damaged or holds something else."""
+    """The polygons of all pieces, None without any; raises ValueError if the file is damaged or no surface."""
     document = opened(path.read_bytes())
     if document.root.tag != "VTKFile" or document.root.get("type") != "PolyData":
         found = document.root.get("type") or document.root.tag
-        raise ValueError(f"it holds {found}, and no surface (PolyData); extract its surface and save that")
+        sentence = f"it holds {found}, and no surface (PolyData)"
+        raise ValueError(f"{sentence}; extract its surface and save that")
     points, corners, sizes = [np.empty((0, 3))], [], []
     vertices = 0
     for piece in document.root.iterfind("PolyData/Piece"):
