@@ -161,8 +161,8 @@ def test_more_faces_than_the_map_has_texels_are_refused(triangles, monkeypatch):
         paradesc.compute(*triangles, domain="faces")
 
 
-def test_trimesh_and_pyvista_get_values_of_faces():
-    trimesh, pyvista = pytest.importorskip("trimesh"), pytest.importorskip("pyvista")
+def test_trimesh_and_pyvista_get_values_of_faces(pyvista):
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
     result = paradesc.compute(mesh, radius=0.1, domain="faces")
     assert np.array_equal(result.to(mesh).face_attributes["mean_curvature"], result["mean_curvature"])
@@ -184,8 +184,7 @@ def baked():
 
 
 @pytest.mark.parametrize("suffix", ["vtp", "vtk"])
-def test_vtk_finds_values_of_faces_as_cell_data(tmp_path, baked, suffix):
-    pyvista = pytest.importorskip("pyvista", reason="PyVista is not installed")
+def test_vtk_finds_values_of_faces_as_cell_data(tmp_path, baked, pyvista, suffix):
     path = tmp_path / f"a.{suffix}"
     {"vtp": vtk_files.write_vtp, "vtk": vtk_files.write_vtk}[suffix](path, baked)
     found = pyvista.read(path)
