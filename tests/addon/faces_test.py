@@ -211,14 +211,18 @@ def test_ply_and_npz_hold_values_of_faces(tmp_path, baked):
 @pytest.mark.slow
 def test_the_command_line_writes_values_of_faces_of_one_object_and_of_several(tmp_path, capsys):
     path = write_obj(tmp_path / "a.obj", *cube_sphere(4))
-    text = path.read_text().split("\n", 1)[1] if path.read_text().startswith("o ") else path.read_text()
-    path.write_text(f"o one\n{text}")
+    path.write_text(f"{path.read_text()}o two\nv 9 0 0\nv 9 1 0\nv 9 0 1\nf -3 -2 -1\n")
     outputs = [word for suffix in ("npz", "vtp", "vtk", "ply", "png") for word in ("-o", str(tmp_path / f"b.{suffix}"))]
     words = ["bake", str(path), "--reader", "files", "--radius", "0.2", "--domain", "faces", *outputs]
     assert main([*words, "--json", str(tmp_path / "b.json"), "--fail-over-undefined", "0"]) == 0
     assert "undefined faces 0" in capsys.readouterr().out
     assert '"domain": "faces"' in (tmp_path / "b.json").read_text()
     assert np.load(tmp_path / "b.npz")["mean_curvature"].shape == (192,)
+    assert main([*words, "--all"]) == 0
+    both = np.load(tmp_path / "b.npz")
+    assert (both["sphere/mean_curvature"].shape, both["two/mean_curvature"].shape) == ((192,), (1,))
+    assert b"element face 193" in (tmp_path / "b.ply").read_bytes()
+    assert b'NumberOfPolys="193"' in (tmp_path / "b.vtp").read_bytes()
 
 
 @pytest.mark.parametrize(
