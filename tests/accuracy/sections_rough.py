@@ -1,32 +1,78 @@
-"""Section on surfaces that are not smooth: which edges count as creases, and what one bad vertex does to its surroundings."""
+"""Sections on surfaces that are not smooth: noise, stairs and folds; which edges count as creases; one bad vertex.
+
+    python tests/accuracy/sections_rough.py [--rows noise] [--estimator integral] …     # ours alone, to the terminal
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 import meshes
-import numpy as np
 import rough_surfaces as rough
 from bench import errors
+from rough_rows import ROWS
 
 import paradesc
 
-BODIES = {
-    "torus": rough.torus,
-    "sphere": lambda *chosen: rough.round_body(np.ones(3), *chosen),
-    "ellipsoid": lambda *chosen: rough.round_body(rough.AXES, *chosen),
-}
-MOVED, NOISE, CELLS = (0, 0.2, 0.3, 0.35, 0.4, 0.45), (0.02, 0.1, 0.2, 0.3), (0.05, 0.025)
+H, K = rough.CURVATURES[:2]
+RADII = (0.02, 0.04, 0.08, 0.12)
 BENDS = (20, 25, 30, 45, 60, 90, 120, 150)
 
 
-def smooth_surfaces(quick):
-    """Yields name, points, triangles and mean curvature of surfaces without a crease."""
-    for body, make in BODIES.items():
-        for vertices in (10000,) if quick else (2500, 10000, 48000):
-            for moved in MOVED:
-                yield f"{body}, moved {moved:g}", *make(vertices, moved)
-            points, faces, exact = make(vertices, 0.2)
-            for amount in NOISE:
-                yield f"{body}, noise {amount:g}", rough.noisy(points, faces, amount), faces, exact
-        for cell in CELLS[: 1 if quick else None]:
-            yield f"{body}, staircase of {cell:g}", *rough.staircase(body, cell)
+def percent(radius):
+    """A radius as people read it."""
+    return radius if isinstance(radius, str) else f"{100 * radius:g} %"
+
+
+# ---- Ours
+
+
+def ours(row, radii, seeds, **chosen):
+    """Stats of all curvatures by radius, over the seeds of a row: means of means, the largest of all; and creases."""
+    found, creases = {radius: [] for radius in radii}, 0
+    for seed in range(min(seeds, row.seeds)):
+        case = row.make(seed)
+        with paradesc.Mesh(case.points, case.faces, backend="cpu") as mesh:
+            for radius in radii:
+                result = mesh.compute(rough.CURVATURES, radius, **chosen)
+                found[radius].append(
+                    {name: errors(name, result[name], exact, result.radius) for name, exact in case.truth.items()}
+                )
+                creases = max(creases, result.report["field_report"]["crease_edges"])
+    return {radius: over_seeds(of_each) for radius, of_each in found.items()}, creases
+
+
+def over_seeds(of_each):
+    """(mean, largest) by descriptor."""
+    return {name: (np.mean([one[name].mean for one in of_each]), max(one[name].max for one in of_each)) for name in of_each[0]}
+
+
+def accuracy(_bench, out, quick):
+    """Writes the errors of the default on all rows."""
+    rows = {H: [], K: []}
+    for row in ROWS:
+        found, creases = ours(row, RADII, 1 if quick else row.seeds)
+        for name, written in rows.items():
+            written.append([row.name, *(shown(found[radius][name]) for radius in RADII), creases])
+    for name, written in rows.items():
+        out.table(
+            f"{name}: mean error in %, and in parentheses the largest; edges taken for creases, of which there are none",
+            ["surface", *map(percent, RADII), "creases"],
+            written,
+        )
+
+
+def shown(error):
+    """Mean and largest."""
+    return f"{error[0]:.2f} ({error[1]:.0f})" if np.isfinite(error[0]) else "–"
+
+
+# ---- Creases
 
 
 def solids():
@@ -41,50 +87,38 @@ def solids():
             yield name, arrays.positions, arrays.corner_vertices[arrays.triangle_corners], None
 
 
-def measured(points, faces, radius, creases="auto"):
+def measured(points, faces, radius):
     """The mean curvature, and how many edges were creases."""
-    found = paradesc.compute(points, faces, radius=radius, creases=creases, backend="cpu")
-    return found["mean_curvature"], found.report["field_report"]["crease_edges"]
+    found = paradesc.compute(points, faces, radius=radius, backend="cpu")
+    return found[H], found.report["field_report"]["crease_edges"]
 
 
 def creases(_bench, out, quick):
-    """Writes the tables of creases and of one vertex beside another."""
-    radii = (0.02,) if quick else (0.01, 0.02, 0.04)
-    rows = []
-    for name, points, faces, exact in smooth_surfaces(quick):
-        cells = []
-        for radius in radii:
-            (found, count), (without, _) = (measured(points, faces, radius, kind) for kind in ("auto", "none"))
-            both = [errors("mean_curvature", part, exact, radius).mean for part in (found, without)]
-            cells.append(f"{count}: {both[0]:.3f} ({both[1]:.3f})")
-        rows.append([f"{name}, {len(faces):,}", *cells])
-    head = [f"r = {100 * radius:g} %" for radius in radii]
-    out.table(
-        "Smooth surfaces, and what scanners and remeshers make of them: edges taken for creases, mean error of H in %, "
-        "and in parentheses without creases. Noise is in mean edges; vertices are moved by up to that share of a cell",
-        ["surface, triangles", *head],
-        rows,
-    )
+    """Writes the tables of creases of solids and of one vertex beside another."""
     rows = []
     for name, points, faces, count in solids():
         found = [measured(points if not a else rough.noisy(points, faces, a), faces, 0.02)[1] for a in (0, 0.02, 0.1)]
         rows.append([name, found[0] if count is None else count, *found])
-    out.table("Solids: creases found at r = 2 %", ["solid", "creases", "as it is", "noise 0.02", "noise 0.1"], rows)
+    out.table(
+        "Solids: creases found at r = 2 %, also with noise in mean edges",
+        ["solid", "creases", "as it is", "noise 0.02", "noise 0.1"],
+        rows,
+    )
     out.table(
         "One vertex more, so many edges from a corner of the triangle that it divides, in 8 random directions: the "
         "largest change of H at any other vertex of a torus of 11,520 triangles, r = 2 %, in % of the range",
         ["edges", "median", "largest"],
-        [[distance, *changes(distance)] for distance in (1e-6, 1e-4, 1e-2, 1e-1)],
+        [[distance, *changes(distance, 2 if quick else 8)] for distance in (1e-6, 1e-4, 1e-2, 1e-1)],
     )
 
 
-def changes(distance):
-    """The median and the largest over eight places."""
-    points, faces, exact = rough.torus(5760)
+def changes(distance, places):
+    """The median and the largest over so many places."""
+    points, faces = rough.torus(5760)
     before = measured(points, faces, 0.02)[0]
-    reach = np.ptp(np.percentile(exact, [2.5, 97.5]))
+    reach = np.ptp(np.percentile(rough.exact("torus", points)[H], [2.5, 97.5]))
     largest = []
-    for seed in range(8):
+    for seed in range(places):
         generator = np.random.default_rng(seed)
         number, way = generator.integers(len(faces)), generator.normal(size=3)
         p, q, r = faces[number]
@@ -96,4 +130,35 @@ def changes(distance):
     return np.median(largest), np.max(largest)
 
 
-SECTIONS = {"creases": (creases, "Creases, folds and slivers", "not measured", 240, 40)}
+SECTIONS = {
+    "rough": (accuracy, "Noise, stairs and folds", "not measured", 400, 120),
+    "creases": (creases, "Creases and slivers", "not measured", 60, 30),
+}
+
+
+def main(words):
+    """Prints the errors of ours alone."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rows", default="", help="those alone whose name has this")
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--all", action="store_true", help="k1 and k2 too")
+    parser.add_argument("--radii", default=",".join(map(str, RADII)), help="shares of the diagonal, or auto")
+    for name in ("estimator", "creases", "normals"):
+        parser.add_argument(f"--{name}")
+    given = vars(parser.parse_args(words))
+    chosen = {name: given[name] for name in ("estimator", "creases", "normals") if given[name]}
+    radii = [word if word == "auto" else float(word) for word in given["radii"].split(",")]
+    names = rough.CURVATURES if given["all"] else (H, K)
+    sys.stdout.write(f"{'mean (largest) error in %':32}" + "".join(f"{percent(radius):>20}" for radius in radii) + "\n")
+    for row in ROWS:
+        if given["rows"] not in row.name:
+            continue
+        found, count = ours(row, radii, given["seeds"], **chosen)
+        for name in names:
+            label = f"{row.name} {''.join(part[0] for part in name.split('_'))}" + (f" [{count}]" if count else "")
+            sys.stdout.write(f"{label:32}" + "".join(f"{shown(found[radius][name]):>20}" for radius in radii) + "\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
