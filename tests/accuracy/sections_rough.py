@@ -1,10 +1,13 @@
 """Sections on surfaces that are not smooth: noise, stairs and folds; which edges count as creases; one bad vertex.
 
-    python tests/accuracy/sections_rough.py [--rows noise] [--estimator integral] …     # ours alone, to the terminal
+As a program it prints the errors of ours alone:
+
+    python tests/accuracy/sections_rough.py [--rows noise] [--estimator integral] [--radii 0.04,auto]
 """
 
 import argparse
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +16,21 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 import meshes
+import rough_peers
+import rough_scans
 import rough_surfaces as rough
 from bench import errors
 from rough_rows import ROWS
+from surfaces import Surface
 
 import paradesc
 
 H, K = rough.CURVATURES[:2]
+LABELS = {H: "Mean curvature", K: "Gaussian curvature"}
 RADII = (0.02, 0.04, 0.08, 0.12)
+OTHERS = ("local_bending_energy", "sphere_volume_normalized", "euclidean_area")
 BENDS = (20, 25, 30, 45, 60, 90, 120, 150)
+NORMAL = 1.96  # standard errors on either side hold 95 % of what is spread normally
 
 
 def percent(radius):
@@ -32,44 +41,185 @@ def percent(radius):
 # ---- Ours
 
 
+@dataclass
+class Error:
+    """Errors of one descriptor on one row at one radius, over its seeds."""
+
+    mean: float
+    largest: float
+    covered: float | None  # % of the vertices whose truth lies within the error bars, if there are any
+
+    def __str__(self):
+        return f"{self.mean:.2f} ({self.largest:.0f})" if np.isfinite(self.mean) else "–"
+
+
+def standard_error(result, name):
+    """(n,) the standard error beside a curvature; None if this build has none."""
+    return result.get(f"{name}_standard_error")
+
+
+def asked():
+    """The names of the curvatures, and of their standard errors if this build has them."""
+    known = {row.name for row in paradesc.descriptors()}
+    return [*rough.CURVATURES, *known.intersection(f"{name}_standard_error" for name in rough.CURVATURES)]
+
+
+def has_auto():
+    """Whether this build chooses the radius if it is asked to; the sentence if not."""
+    try:
+        paradesc.compute(*rough.torus(500), H, "auto", backend="cpu")
+    except paradesc.InputError as error:
+        return str(error)
+    return ""
+
+
+def at_length(points, faces, radius):
+    """The mean curvature at a radius in the unit of the points."""
+    return paradesc.compute(points, faces, H, radius, radius_unit="absolute", backend="cpu")[H]
+
+
 def ours(row, radii, seeds, **chosen):
-    """Stats of all curvatures by radius, over the seeds of a row: means of means, the largest of all; and creases."""
-    found, creases = {radius: [] for radius in radii}, 0
+    """By radius and descriptor the errors over so many seeds, and the most edges that were taken for creases."""
+    found, creases, names = {radius: [] for radius in radii}, 0, asked()
     for seed in range(min(seeds, row.seeds)):
         case = row.make(seed)
         with paradesc.Mesh(case.points, case.faces, backend="cpu") as mesh:
             for radius in radii:
-                result = mesh.compute(rough.CURVATURES, radius, **chosen)
-                found[radius].append(
-                    {name: errors(name, result[name], exact, result.radius) for name, exact in case.truth.items()}
-                )
+                result = mesh.compute(names, radius, **chosen)
+                found[radius].append({name: error_of(result, name, exact) for name, exact in case.truth.items()})
                 creases = max(creases, result.report["field_report"]["crease_edges"])
     return {radius: over_seeds(of_each) for radius, of_each in found.items()}, creases
 
 
+def error_of(result, name, exact):
+    """The errors of one mesh."""
+    stats, bars = errors(name, result[name], exact, result.radius), standard_error(result, name)
+    covered = None if bars is None else 100 * float(np.mean(np.abs(result[name] - exact) <= NORMAL * bars))
+    return Error(stats.mean, stats.max, covered)
+
+
 def over_seeds(of_each):
-    """(mean, largest) by descriptor."""
-    return {name: (np.mean([one[name].mean for one in of_each]), max(one[name].max for one in of_each)) for name in of_each[0]}
+    """Means of means and of shares, and the largest of all."""
+    found = {}
+    for name in of_each[0]:
+        every = [one[name] for one in of_each]
+        covered = None if every[0].covered is None else np.mean([one.covered for one in every])
+        found[name] = Error(np.mean([one.mean for one in every]), max(one.largest for one in every), covered)
+    return found
+
+
+# ---- The section
 
 
 def accuracy(_bench, out, quick):
-    """Writes the errors of the default on all rows."""
-    rows = {H: [], K: []}
-    for row in ROWS:
-        found, creases = ours(row, RADII, 1 if quick else row.seeds)
-        for name, written in rows.items():
-            written.append([row.name, *(shown(found[radius][name]) for radius in RADII), creases])
-    for name, written in rows.items():
+    """Writes the errors of the default on all rows, error bars, other programs, published surfaces and a scan."""
+    out.say(
+        "Tori (R 1, r 0.4; about 40,000 triangles), ellipsoids (1.5, 1, 0.7; 20,000), staircases (marching cubes of "
+        "binary voxels), irregular: vertices are moved along the surface by up to 0.2 of a cell; *folds*: by up to as "
+        "much as the row says, and from 0.35 on triangles fold over. Noise is Gaussian in each coordinate, or along the "
+        "normal alone, in mean edges. The truth is that of the nearest point of the smooth body, under noise of "
+        f"the unmoved vertex. {'One seed' if quick else 'Three seeds'} where there is chance."
+    )
+    without_auto = has_auto()
+    radii = RADII if without_auto else (*RADII, "auto")
+    if without_auto:
+        out.lacks(f'the radius "auto": {without_auto}')
+    found = {row: ours(row, radii, 1 if quick else row.seeds) for row in ROWS}
+    for name, label in LABELS.items():
+        folds = max(at[r][name].largest for row, (at, _) in found.items() for r in RADII if row.kind == "folds")
         out.table(
-            f"{name}: mean error in %, and in parentheses the largest; edges taken for creases, of which there are none",
-            ["surface", *map(percent, RADII), "creases"],
-            written,
+            f"{label}, defaults: mean (largest) error in %, and edges taken for creases, of which there are none. The "
+            f"largest on folds: {folds:.1f} %",
+            ["surface", *map(percent, radii), "creases"],
+            [[row.name, *(str(at[radius][name]) for radius in radii), count] for row, (at, count) in found.items()],
         )
+    found = {row: at for row, (at, _) in found.items()}
+    error_bars(out, found, radii)
+    against(out, found, rough_peers.Kept(measure=not quick))
+    rough_scans.published(out, radii[len(RADII) :])
+    if not quick:
+        others(out)
+        rough_scans.stability(out, standard_error)
 
 
-def shown(error):
-    """Mean and largest."""
-    return f"{error[0]:.2f} ({error[1]:.0f})" if np.isfinite(error[0]) else "–"
+def error_bars(out, found, radii):
+    """Writes how often the truth lies within the error bars."""
+    if next(iter(found.values()))[RADII[0]][H].covered is None:
+        out.lacks("error bars: this build has no standard error.")
+        return
+    out.table(
+        f"The share of vertices whose true H (K) lies within ±{NORMAL} standard errors, in %; 95 would be exact",
+        ["surface", *map(percent, radii)],
+        [[row.name, *(f"{at[r][H].covered:.0f} ({at[r][K].covered:.0f})" for r in radii)] for row, at in found.items()],
+    )
+
+
+def others(out):
+    """Writes what noise does to what is no curvature."""
+    rows = []
+    for row in [row for row in ROWS if row.body == "torus" and row.kind in ("clean", "noise", "stairs")]:
+        case = row.make()
+        surface = Surface(row.name, None, None, case.truth[H], case.truth[K], None)
+        for radius in RADII[1:3]:
+            result = paradesc.compute(case.points, case.faces, OTHERS, radius, backend="cpu")
+            flat = {"sphere_volume_normalized": 0.5, "euclidean_area": np.pi * result.radius**2}
+            cells = [errors(OTHERS[0], result[OTHERS[0]], surface.exact(OTHERS[0], result.radius), result.radius).mean]
+            for name in OTHERS[1:]:
+                cells.append(100 * np.nanmean(np.abs(result[name] - surface.exact(name, result.radius))) / flat[name])
+            rows.append([row.name, percent(radius), *cells])
+    out.table(
+        "Bending energy (mean error in % of its range), and the volume in the ball and the area (in % of a plane's)",
+        ["surface", "r", "LBE", "V / ball", "EA"],
+        rows,
+    )
+
+
+# ---- Beside other programs
+
+
+def against(out, found, kept):
+    """Writes our errors beside those of other programs, at equal support and at the best one of each."""
+    theirs, edges = {}, {}  # the latter: how many mean edges the diagonal has
+    for row in found:
+        case = row.make()
+        every = {peer: rough_peers.errors(kept, peer, case) for peer in rough_peers.PEERS}
+        theirs[row], edges[row] = {peer: ones for peer, ones in every.items() if ones}, case.diagonal / case.edge
+    for label, reason in kept.missing.items():
+        out.lacks(f"{label}: {reason}")
+    if not any(theirs.values()):
+        out.lacks("other programs: nothing is kept in results/rough_peers.json (without --quick they are measured).")
+        return
+    four = rough_peers.TRIED[0]
+    beyond = rough_peers.measured_reach(lambda *given: [at_length(*given[:2], four * given[3])], four) - four
+    out.say(rough_peers.explained(kept, beyond))
+    for name, label in LABELS.items():
+        equal, best, counts = [], [], [0, 0, 0, 0]
+        for row, at in found.items():
+            cells = []
+            for radius in RADII:
+                other = rough_peers.best_at(theirs[row], name, radius * edges[row] + beyond)
+                cells.append(f"{at[radius][name].mean:.2f} · {other}")
+                counts[0] += other.mean > at[radius][name].mean
+                counts[1] += np.isfinite(other.mean)
+            least = min((at[radius][name].mean, percent(radius)) for radius in RADII)
+            other = rough_peers.best(theirs[row], name)
+            counts[2] += row.noisy and other.mean >= 2 * least[0]
+            counts[3] += row.noisy
+            equal.append([row.name, *cells])
+            each = [rough_peers.best({peer: theirs[row].get(peer, [])}, name) for peer in rough_peers.PEERS]
+            best.append([row.name, f"{least[0]:.2f} ({least[1]})", *(one.short for one in each)])
+        out.table(
+            f"{label} at equal support, mean error in %: ours at the radius · the best of the others. Ours is "
+            f"the smaller in {counts[0]} of {counts[1]} cells",
+            ["surface", *map(percent, RADII)],
+            equal,
+        )
+        out.table(
+            f"{label}, each at its best size, mean error in % (its size). On {counts[2]} of {counts[3]} rows with noise "
+            "of 0.1 edges and more ours is at least twice as good as the best of the others",
+            ["surface", "Paradesc", *(peer.label for peer in rough_peers.PEERS)],
+            best,
+        )
 
 
 # ---- Creases
@@ -131,7 +281,13 @@ def changes(distance, places):
 
 
 SECTIONS = {
-    "rough": (accuracy, "Noise, stairs and folds", "not measured", 400, 120),
+    "rough": (
+        accuracy,
+        "Noise, stairs and folds",
+        "“robustness in the presence of noise is achieved by computations at multiple scales”",
+        400,
+        120,
+    ),
     "creases": (creases, "Creases and slivers", "not measured", 60, 30),
 }
 
@@ -148,15 +304,13 @@ def main(words):
     given = vars(parser.parse_args(words))
     chosen = {name: given[name] for name in ("estimator", "creases", "normals") if given[name]}
     radii = [word if word == "auto" else float(word) for word in given["radii"].split(",")]
-    names = rough.CURVATURES if given["all"] else (H, K)
-    sys.stdout.write(f"{'mean (largest) error in %':32}" + "".join(f"{percent(radius):>20}" for radius in radii) + "\n")
-    for row in ROWS:
-        if given["rows"] not in row.name:
-            continue
+    sys.stdout.write(f"{'mean (largest) error in %':36}" + "".join(f"{percent(radius):>18}" for radius in radii) + "\n")
+    for row in [row for row in ROWS if given["rows"] in row.name]:
         found, count = ours(row, radii, given["seeds"], **chosen)
-        for name in names:
-            label = f"{row.name} {''.join(part[0] for part in name.split('_'))}" + (f" [{count}]" if count else "")
-            sys.stdout.write(f"{label:32}" + "".join(f"{shown(found[radius][name]):>20}" for radius in radii) + "\n")
+        for name in rough.CURVATURES if given["all"] else (H, K):
+            label = f"{row.name} {dict(zip(rough.CURVATURES, ('H', 'K', 'k1', 'k2'), strict=True))[name]}"
+            label += f" [{count} creases]" * bool(count)
+            sys.stdout.write(f"{label:36}" + "".join(f"{found[radius][name]!s:>18}" for radius in radii) + "\n")
         sys.stdout.flush()
 
 
