@@ -164,7 +164,8 @@ def remeshed(out, points, faces):
         return
     anew = pymeshlab.MeshSet(verbose=False)
     anew.add_mesh(pymeshlab.Mesh(points, faces))
-    anew.meshing_isotropic_explicit_remeshing(targetlen=pymeshlab.PureValue(rough.mean_edge(points, faces)))
+    length = pymeshlab.PureValue(rough.mean_edge(points, faces))
+    anew.meshing_isotropic_explicit_remeshing(iterations=3, targetlen=length)
     found = anew.current_mesh()
     yield "meshed anew, evenly", pyvista.PolyData.from_regular_faces(found.vertex_matrix(), found.face_matrix())
 
