@@ -22,7 +22,6 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1] / "addon"), str(HERE), str(HERE.parent / "bench")]
 
 import bench  # noqa: E402
-import peers  # noqa: E402
 import programs  # noqa: E402
 import python_jobs  # noqa: E402
 import rough_surfaces as rough  # noqa: E402
@@ -48,7 +47,7 @@ class Peer:
 
     label: str
     package: str
-    function: Callable[..., tuple[np.ndarray, np.ndarray | None]]  # (points, faces, size, mean edge, step)
+    function: Callable[..., tuple[np.ndarray, np.ndarray]]  # (points, faces, size, mean edge, step)
     size: str  # what it is counted in, "" for one ring alone
     least: int = 0
     sampled: bool = False  # at every so many vertices (step), NaN at the others
@@ -200,12 +199,12 @@ def run(peer, case, size):
     values = peer.function(case.points, case.faces.astype(np.int64), size, case.edge, step)
     taken, kept, length = time.monotonic() - start, [], max(size, 1) * case.edge
     for name, given in zip((H, K), values, strict=True):
-        if given is None:
-            kept += [None, None]
-            continue
-        given = np.asarray(given, np.float64)
-        signed = peers.with_sign(given, case.truth[name]) if name == H else given
-        stats = bench.errors(name, signed, case.truth[name], length, np.isfinite(signed) if peer.sampled else None)
+        known = np.isfinite(given) if peer.sampled else None
+        both = [
+            bench.errors(name, sign * given, case.truth[name], length, known)
+            for sign in ((1, -1) if name == H else (1,))
+        ]
+        stats = min(both, key=lambda one: one.mean)
         kept += [round(stats.mean, 4), round(stats.max, 3)]
     return [*kept, round(taken, 2)]
 
@@ -232,7 +231,6 @@ def best(found, name):
         Best(one[COLUMN[name]], peer.label, f"{one[0]:g} {peer.size}" if peer.size else "")
         for peer, ones in found.items()
         for one in ones
-        if one[COLUMN[name]] is not None
     ]
     return min(every, key=lambda one: one.mean, default=Best())
 
@@ -241,7 +239,7 @@ def best_at(found, name, far):
     """The best of the programs where they reach so many mean edges, between the errors of their sizes."""
     every = []
     for peer, ones in found.items():
-        curve = [(one[1], one[COLUMN[name]]) for one in ones if peer.size and one[COLUMN[name]] is not None]
+        curve = [(one[1], one[COLUMN[name]]) for one in ones if peer.size]
         if curve and curve[0][0] <= far <= SLACK * curve[-1][0]:
             every.append(Best(float(np.exp(np.interp(np.log(far), *np.log(np.transpose(curve))))), peer.label))
     return min(every, key=lambda one: one.mean, default=Best())
