@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors, origin
-from .core import job
+from .core import face_centers, job
 from .core.polygons import Polygons, triangle_corners
 from .core.stream import Stream
 from .numpy_api import inputs, options, other_meshes
@@ -50,6 +50,7 @@ def compute(
     normals: options.Normals = "fitted",
     estimator: options.Estimator = "shape-operator",
     distance: options.Distance = "euclidean",
+    domain: options.Domain = "vertices",
     map_descriptor: str = "sphere_volume_normalized",
     backend: options.Backend = "auto",
     device_index: int = -1,
@@ -58,7 +59,7 @@ def compute(
     progress: Progress | None = None,
     **more: "Unpack[options.MoreOptions]",
 ) -> Result:
-    """Computes descriptors at every vertex of a mesh, in the order of the vertices.
+    """Computes descriptors at every vertex or face of a mesh, in their order.
 
     vertices: (n, 3) real numbers, or a mesh of trimesh, PyVista or Open3D, which has its faces. The library computes
         with 32-bit floats; a mesh farther from the origin than it is large is moved there first, so nothing is lost.
@@ -72,21 +73,20 @@ def compute(
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
     sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
     estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or "extrapolated" to radius 0.
-    map_descriptor: on which the operators work (gradient_magnitude, laplacian, harris and so on).
+    domain: "faces" measures each at its middle. map_descriptor: what operators (laplacian, harris and so on) work on.
     backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
-    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel.
-    more: what is needed less often, see numpy_api.options.MoreOptions and the manual's reference.
+    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel. more: MoreOptions.
 
-    Values are float32, (n,) or (n, 3); NaN at vertices without a face and wherever a descriptor does not exist. The
-    arrays given are not changed. May be called from several threads at once. Ctrl-C ends it within a tenth of a second.
+    Values are float32, (n,) or (n, 3); NaN at vertices without a face, at faces without an area, and wherever else a
+    descriptor does not exist. Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
     Errors: InputError, a ValueError, for arrays (empty ones too) and options that cannot be used; ParadescError for
     what cannot be computed here (no such device, too little memory) or was cancelled. Each is one sentence.
     """
     named = {
         "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
         "estimator": estimator, "distance": distance, "map_descriptor": map_descriptor, "backend": backend,
-        "device_index": device_index, "threads": threads, "memory_limit": memory_limit,
+        "device_index": device_index, "threads": threads, "memory_limit": memory_limit, "domain": domain,
     }  # fmt: skip
     with plain_errors():
         settings = options.settings_of(descriptors, radius, {**named, **more})
@@ -94,7 +94,7 @@ def compute(
         check_normals(settings, corner_normals)
         points, polygons = surface_of(vertices, faces)
         arrays = inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
-        return Result(job.run(arrays, settings, told))
+        return Result(face_centers.run_where_asked(arrays, settings, told, polygons.sizes))
 
 
 class Mesh:
@@ -183,6 +183,8 @@ class Mesh:
         with plain_errors(), self._lock:
             stream = self._opened()
             settings = options.settings_of(descriptors, radius, {**named, **more, **self._machine})
+            if settings.domain != "vertices":
+                raise InputError("A paradesc.Mesh has values at vertices; paradesc.compute() has them at faces.")
             told = cancelling(progress)
             check_normals(settings, corner_normals)
             own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)

@@ -222,24 +222,6 @@ def moved(arrays, points):
     return replace(arrays, positions=points.astype(np.float32))
 
 
-def position_noise(arrays, fraction, seed=1):
-    """Adds Gaussian noise to every coordinate; its deviation is a fraction of the diagonal."""
-    points = arrays.positions.astype(np.float64)
-    deviation = fraction * np.linalg.norm(np.ptp(points, axis=0))
-    return moved(arrays, points + np.random.default_rng(seed).normal(0, deviation, points.shape))
-
-
-def with_normals(arrays, normals, degrees=0.0, seed=1):
-    """Gives the mesh its own normals (n, 3), each turned at random; the mean angle is the given one."""
-    generator = np.random.default_rng(seed)
-    aside = np.cross(normals, generator.normal(size=normals.shape))
-    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
-    # The mean length of a normal distribution in the tangent plane is √(π/2) deviations.
-    turn = np.linalg.norm(generator.normal(0, np.radians(degrees) / np.sqrt(np.pi / 2), (len(normals), 2)), axis=1)
-    turned = np.cos(turn)[:, None] * normals + np.sin(turn)[:, None] * aside
-    return replace(arrays, corner_normals=turned[arrays.corner_vertices].astype(np.float32))
-
-
 def diagonal(arrays):
     """The diagonal of the bounding box."""
     return float(np.linalg.norm(np.ptp(arrays.positions, axis=0)))

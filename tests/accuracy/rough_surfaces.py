@@ -4,7 +4,8 @@ import numpy as np
 from surfaces import JITTER, cube_directions, rectangle
 
 RADIUS, TUBE = 1.0, 0.4  # of the torus
-AXES = np.array([1.5, 1.0, 0.7])  # of the ellipsoid
+SEMIAXES = {"sphere": np.ones(3), "ellipsoid": np.array([1.5, 1.0, 0.7])}
+CURVATURES = ("mean_curvature", "gaussian_curvature", "principal_curvature_max", "principal_curvature_min")
 
 
 def triangles_of(patch):
@@ -15,33 +16,58 @@ def triangles_of(patch):
 
 
 def torus(vertices, moved=0.0, seed=0):
-    """A torus whose vertices are moved along it by up to this share of a cell, with its mean curvature."""
+    """A torus whose vertices are moved along it by up to this share of a cell: points, triangles."""
     parameters, patch = rectangle((RADIUS, TUBE), (True, True), vertices, moved / JITTER, seed)
     u, v = 2 * np.pi * parameters.T
     ring = RADIUS + TUBE * np.cos(v)
-    points = np.stack([ring * np.cos(u), ring * np.sin(u), TUBE * np.sin(v)], 1)
-    return points, triangles_of(patch), torus_curvature(points)
-
-
-def torus_curvature(points):
-    """(n,) mean curvature of the torus near these points."""
-    v = np.arctan2(points[:, 2], np.hypot(points[:, 0], points[:, 1]) - RADIUS)
-    return (1 / TUBE + np.cos(v) / (RADIUS + TUBE * np.cos(v))) / 2
+    return np.stack([ring * np.cos(u), ring * np.sin(u), TUBE * np.sin(v)], 1), triangles_of(patch)
 
 
 def round_body(axes, vertices, moved=0.0, seed=0):
     """A sphere or an ellipsoid in six patches, whose inner vertices are moved along it by up to this share of a cell."""
     directions, patches = cube_directions(vertices, moved / JITTER, seed)
-    points = directions * axes
-    return points, np.concatenate([triangles_of(patch) for patch in patches]), ellipsoid_curvature(points, axes)
+    return directions * axes, np.concatenate([triangles_of(patch) for patch in patches])
 
 
-def ellipsoid_curvature(points, axes):
-    """(n,) mean curvature of the ellipsoid near these points."""
-    axes = np.broadcast_to(np.asarray(axes, float), 3)
-    points = points / np.sqrt(((points / axes) ** 2).sum(1, keepdims=True))
-    height = 1 / np.sqrt((points**2 / axes**4).sum(1))
-    return ((axes**2).sum() - (points**2).sum(1)) * height**3 / (2 * np.prod(axes) ** 2)
+def made(body, vertices, moved=0.0, seed=0):
+    """Points and triangles of a torus, a sphere or an ellipsoid."""
+    if body == "torus":
+        return torus(vertices, moved, seed)
+    return round_body(SEMIAXES[body], vertices, moved, seed)
+
+
+def exact(body, points):
+    """The curvatures and the (n, 3) normals of a body at its points that are nearest to these: (n,) by name."""
+    if body == "torus":
+        around = np.hypot(points[:, 0], points[:, 1])
+        v = np.arctan2(points[:, 2], around - RADIUS)
+        low = np.cos(v) / (RADIUS + TUBE * np.cos(v))
+        normals = np.column_stack([points[:, :2] * (np.cos(v) / around)[:, None], np.sin(v)])
+        mean, gaussian = (1 / TUBE + low) / 2, low / TUBE
+    else:
+        squares = SEMIAXES[body] ** 2
+        near = nearest(squares, points)
+        normals = near / squares
+        height = 1 / np.linalg.norm(normals, axis=1)
+        normals *= height[:, None]
+        mean = (squares.sum() - (near**2).sum(1)) * height**3 / (2 * np.prod(squares))
+        gaussian = height**4 / np.prod(squares)
+    root = np.sqrt(np.maximum(mean**2 - gaussian, 0))
+    found = (mean, gaussian, mean + root, mean - root)
+    return dict(zip(CURVATURES, found, strict=True)) | {"normals": normals}
+
+
+def nearest(squares, points):
+    """The points of an ellipsoid with these squares of its semiaxes that are nearest to (n, 3) points about it.
+
+    They are a² y / (a² + t), with the t that lays them on the ellipsoid, by Newton's method.
+    """
+    t = np.zeros(len(points))
+    for _ in range(20):
+        place = points / (squares + t[:, None])
+        above = (squares * place**2).sum(1) - 1
+        t += above / (2 * squares * place**2 / (squares + t[:, None])).sum(1)
+    return squares * points / (squares + t[:, None])
 
 
 def mean_edge(points, faces):
@@ -49,27 +75,25 @@ def mean_edge(points, faces):
     return np.mean([np.linalg.norm(points[faces[:, k]] - points[faces[:, k - 1]], axis=1) for k in range(3)])
 
 
-def noisy(points, faces, amount, seed=0):
-    """The points, each moved in a random direction by a normal deviate of so many mean edges."""
+def noisy(points, faces, amount, seed=0, ways=None):
+    """The points, each coordinate moved by a normal deviate of so many mean edges; or along (n, 3) ways alone."""
     generator = np.random.default_rng(seed + 100)
-    ways = generator.normal(size=points.shape)
-    ways *= generator.normal(size=(len(points), 1)) / np.linalg.norm(ways, axis=1, keepdims=True)
-    return points + ways * amount * mean_edge(points, faces)
+    shift = generator.normal(size=points.shape if ways is None else (len(points), 1))
+    return points + shift * (1 if ways is None else ways) * amount * mean_edge(points, faces)
 
 
 def staircase(body, cell):
-    """Marching cubes of the voxels whose centers lie in a body: points, triangles, mean curvature of the body."""
+    """Marching cubes of the voxels whose centers lie in a body: points, triangles."""
     import vtk
     from vtk.util import numpy_support
 
-    reach = {"sphere": np.ones(3), "ellipsoid": AXES, "torus": np.array([1.4, 1.4, 0.4])}[body] + 2 * cell
+    reach = SEMIAXES.get(body, np.array([RADIUS + TUBE, RADIUS + TUBE, TUBE])) + 2 * cell
     ways = [np.arange(-far, far + cell, cell) for far in reach]
-    x, y, z = np.meshgrid(*ways, indexing="ij")
+    place = np.meshgrid(*ways, indexing="ij")
     if body == "torus":
-        inside = (np.hypot(x, y) - RADIUS) ** 2 + z**2 < TUBE**2
+        inside = (np.hypot(place[0], place[1]) - RADIUS) ** 2 + place[2] ** 2 < TUBE**2
     else:
-        a, b, c = AXES if body == "ellipsoid" else np.ones(3)
-        inside = (x / a) ** 2 + (y / b) ** 2 + (z / c) ** 2 < 1
+        inside = sum((way / axis) ** 2 for way, axis in zip(place, SEMIAXES[body], strict=True)) < 1
     image = vtk.vtkImageData()
     image.SetDimensions(*(len(way) for way in ways))
     image.SetSpacing(cell, cell, cell)
@@ -79,10 +103,7 @@ def staircase(body, cell):
     cubes.SetInputData(image)
     cubes.SetValue(0, 0.5)
     cubes.Update()
-    points, faces = arrays_of(cubes.GetOutput())
-    if body == "torus":
-        return points, faces, torus_curvature(points)
-    return points, faces, ellipsoid_curvature(points, AXES if body == "ellipsoid" else np.ones(3))
+    return arrays_of(cubes.GetOutput())
 
 
 def arrays_of(surface):

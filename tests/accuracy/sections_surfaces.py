@@ -1,4 +1,4 @@
-"""Sections on surfaces with closed forms: error, settings, radius of the integral K, noise, coarse meshes."""
+"""Sections on surfaces with closed forms: error, settings, radius of the integral K, coarse meshes."""
 
 import baseline
 import meshes
@@ -283,51 +283,6 @@ def sweep_k(bench, out, surface, radii, variant):
     return means
 
 
-# ---- Noise
-
-
-def noise(bench, out, quick):
-    out.say(
-        "Gaussian noise in the positions (deviation as a fraction of the diagonal) and in given normals (mean angle), "
-        "on an irregular torus. Device and reference see the same noisy mesh, so *device against reference* is the "
-        "method's own error; the errors against the closed form of the smooth torus are what noise does to any method "
-        "with this support."
-    )
-    names = ["mean_curvature", "gaussian_curvature", "local_bending_energy"]
-    surface = surfaces.torus(vertices=8000, charts=3)
-    kinds = [("none", surface.arrays, "fitted")]
-    kinds += [
-        (f"positions {100 * level:g} %", meshes.position_noise(surface.arrays, level), "fitted")
-        for level in ((1e-3,) if quick else (1e-4, 1e-3, 1e-2))
-    ]
-    kinds += [
-        (f"normals {degrees}°", meshes.with_normals(surface.arrays, surface.normals, degrees), "mesh")
-        for degrees in ((1,) if quick else (0, 1, 5))
-    ]
-    rows, curves = [], {}
-    for label, arrays, normals in kinds:
-        for radius in (0.02, 0.05) if quick else (0.02, 0.04, 0.08):
-            chosen = options(radius=radius, normals=normals)
-            found, truth = bench.run(arrays, names, chosen), bench.reference(arrays, names, chosen)
-            r, cells = found.radius, []
-            for name in names:
-                exact = surface.exact(name, r)
-                cells += [errors(name, part.values[name], exact, r).mean for part in (found, truth)]
-                cells.append(errors(name, found.values[name], truth.values[name], r).mean)
-            rows.append([label, f"{100 * radius:g} %", *cells])
-            curves.setdefault(label, []).append((100 * radius, cells[0]))
-    heads = [f"{LABELS[name]} {what}" for name in names for what in ("device", "reference", "device against reference")]
-    out.table("Mean error in percent: against the closed form, and against the reference", ["noise", "r", *heads], rows)
-
-    def draw(axes):
-        for label, points in curves.items():
-            axes.loglog(*zip(*points, strict=True), marker="o", markersize=3, label=label)
-        axes.set(xlabel="radius, % of the diagonal", ylabel="mean error of H against the closed form, %")
-        axes.legend(fontsize=7)
-
-    out.plot("radius", "A larger radius averages noise away", draw)
-
-
 # ---- Coarse against fine (Fig. 2)
 
 
@@ -433,13 +388,6 @@ SECTIONS = {
         "equations (11) to (14), no figure",
         50,
         3,
-    ),
-    "noise": (
-        noise,
-        "Noise",
-        "“robustness in the presence of noise is achieved by computations at multiple scales”",
-        60,
-        8,
     ),
     "coarse": (coarse, "Coarse meshes, small radius (Fig. 2)", "Fig. 2, r = 3 %: pictures only", 70, 13),
 }

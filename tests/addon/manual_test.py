@@ -250,6 +250,7 @@ def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(writ
         "pipelines",
         "python",
         "farms",
+        "scans",
         "values",
         "changelog",
     } | pages_for_artists

@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+import zlib
 
 import numpy as np
 
@@ -268,11 +269,126 @@ GLB = {
 }
 GLTF = {"embedded": embedded(*ball()), "mark": b"\xef\xbb\xbf" + embedded(*ball())}
 
+# ---- VTK, legacy and XML
+
+
+def vtk(kind="ASCII", version="3.0", end="\n", before="", after="", strips=False):
+    points, triangles = sphere()
+    count, binary = len(triangles), kind == "BINARY"
+    text = f"# vtk DataFile Version {version}\na ball\n{kind}\nDATASET POLYDATA\n{before}".replace("\n", end).encode()
+
+    def table(words, array, number):
+        body = array.astype(">" + number).tobytes() if binary else rows(array, "{:.9g}").replace("\n", end).encode()
+        return f"{words}{end}".encode() + body + end.encode()
+
+    text += table(f"POINTS {len(points)} float", points, "f4")
+    if version == "5.1":
+        text += f"POLYGONS {count + 1} {3 * count}{end}".encode()
+        text += table("OFFSETS vtktypeint64", np.arange(0, 3 * count + 1, 3)[:, None], "i8")
+        text += table("CONNECTIVITY vtktypeint64", triangles, "i8")
+    else:
+        faces = np.column_stack([np.full(count, 3), triangles])
+        text += table(f"{'TRIANGLE_STRIPS' if strips else 'POLYGONS'} {count} {4 * count}", faces, "i4")
+    return text + after.replace("\n", end).encode()
+
+
+VALUES = "CELL_DATA 432\nSCALARS a float 1\nLOOKUP_TABLE default\n" + "nan\n" * 432
+FIELD = "FIELD FieldData 2\nTimeValue 1 1 double\n0.5\nMETADATA\nINFORMATION 0\n\nSteps 1 2 int\n1 2\n"
+VTK = {
+    "text": vtk(),
+    "binary": vtk("BINARY"),
+    "text since 5": vtk(version="5.1", after="METADATA\nINFORMATION 0\n\n" + VALUES),
+    "binary since 5": vtk("BINARY", "5.1"),
+    "windows": vtk(end="\r\n"),
+    "field": vtk(before=FIELD),
+    "strips": vtk("BINARY", strips=True),
+    "lines and values": vtk(before="VERTICES 2 4\n1 0\n1 1\nLINES 1 3\n2 0 1\n", after=VALUES),
+}
+
+
+def vtp(way="binary", packed=True, head="UInt32", order="<", pieces=1, raw=False):
+    """way: of the arrays. raw: what is appended is no base64."""
+    points, triangles = sphere()
+    behind = b""
+
+    def array(name, values, kind, components=1):
+        nonlocal behind
+        start = f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="{way}"'.encode()
+        if way == "ascii":
+            return start + b">" + " ".join(f"{value:.9g}" for value in values.reshape(-1)).encode() + b"</DataArray>"
+        number = {"Float32": "f4", "Int64": "i8"}[kind]
+        content = block(values.astype(order + number).tobytes())
+        if way == "binary":
+            return start + b">" + content + b"</DataArray>"
+        behind, at = behind + content, len(behind)
+        return start + f' offset="{at}"/>'.encode()
+
+    def block(content):
+        sizes = {"UInt32": "u4", "UInt64": "u8"}[head]
+        if not packed:
+            whole = np.array(len(content), order + sizes).tobytes() + content
+            return whole if raw else base64.b64encode(whole)
+        parts = [zlib.compress(content[at : at + 1000]) for at in range(0, len(content), 1000)]
+        numbers = [len(parts), 1000, len(content) % 1000, *map(len, parts)]
+        both = np.array(numbers, order + sizes).tobytes(), b"".join(parts)
+        return b"".join(both if raw else map(base64.b64encode, both))
+
+    text = b""
+    for part in np.array_split(triangles, pieces):
+        text += f'<Piece NumberOfPoints="{len(points)}" NumberOfPolys="{len(part)}"><PointData/>'.encode()
+        text += b"<Points>" + array("Points", points, "Float32", 3) + b"</Points><Verts/><Polys>"
+        text += array("connectivity", part, "Int64") + array("offsets", 3 * np.arange(1, len(part) + 1), "Int64")
+        text += b"</Polys></Piece>"
+    words = f'byte_order="{"Big" if order == ">" else "Little"}Endian" header_type="{head}"'
+    words += ' compressor="vtkZLibDataCompressor"' if packed else ""
+    text = f'<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" {words}><PolyData>'.encode() + text
+    if behind:
+        behind = f'<AppendedData encoding="{"raw" if raw else "base64"}">\n _'.encode() + behind + b"\n</AppendedData>"
+    return text + b"</PolyData>\n" + behind + b"</VTKFile>\n"
+
+
+VTP = {
+    "packed": vtp(),
+    "text": vtp("ascii", packed=False),
+    "base64": vtp(packed=False, head="UInt64"),
+    "appended": vtp("appended", head="UInt64"),
+    "appended raw": vtp("appended", packed=False, raw=True),
+    "appended packed raw": vtp("appended", order=">", raw=True),
+}
+
+# ---- GIFTI and FreeSurfer
+
+
+def gii(way="GZipBase64Binary", codes=("NIFTI_INTENT_POINTSET", "NIFTI_INTENT_TRIANGLE")):
+    text = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    text += '<!DOCTYPE GIFTI SYSTEM "http://www.nitrc.org/frs/download.php/1594/gifti.dtd">\n'
+    text += '<GIFTI Version="1.0" NumberOfDataArrays="2">'
+    for code, values, kind in zip(codes, sphere(), ("FLOAT32", "INT32"), strict=True):
+        content = values.astype({"FLOAT32": "<f4", "INT32": "<i4"}[kind]).tobytes()
+        packed = base64.b64encode(zlib.compress(content) if "GZip" in way else content).decode()
+        text += f'<DataArray Intent="{code}" DataType="NIFTI_TYPE_{kind}" ArrayIndexingOrder="RowMajorOrder" '
+        text += f'Dimensionality="2" Dim0="{len(values)}" Dim1="3" Encoding="{way}" Endian="LittleEndian" '
+        data = rows(values) if way == "ASCII" else packed
+        text += f'ExternalFileName="" ExternalFileOffset=""><Data>{data}</Data></DataArray>'
+    return (text + "</GIFTI>\n").encode()
+
+
+def freesurfer():
+    points, triangles = sphere()
+    counts = np.array([len(points), len(triangles)], ">i4")
+    first = b"\xff\xff\xfecreated by a test\n\n" + counts.tobytes()
+    return first + points.astype(">f4").tobytes() + triangles.astype(">i4").tobytes()
+
+
+NEURO = (".gii", ".white")  # which nibabel reads
+GII = {"packed": gii(), "base64": gii("Base64Binary"), "text": gii("ASCII")}
+
 # By suffix and name.
 SOUND = {
     (suffix, name): content
     for suffix, kinds in (
         (".obj", OBJ), (".ply", PLY), (".off", OFF), (".stl", STL), (".glb", GLB), (".gltf", GLTF),
+        (".vtk", VTK), (".vtp", VTP), (".gii", GII), (".white", {"triangles": freesurfer()}),
     )
     for name, content in kinds.items()
 }  # fmt: skip

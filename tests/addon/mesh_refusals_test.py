@@ -1,15 +1,45 @@
 """A mesh file that cannot be read is one sentence that says why; every refusal of the readers is provoked here."""
 
+import base64
 import copy
 import json
+import zlib
 
 import numpy as np
 import pytest
 
-from mesh_kinds import SOUND, ball, embedded, glb, obj, off, ply, sparse, stl, stl_binary
+from mesh_kinds import (
+    FIELD,
+    SOUND,
+    ball,
+    embedded,
+    freesurfer,
+    gii,
+    glb,
+    obj,
+    off,
+    ply,
+    sparse,
+    stl,
+    stl_binary,
+    vtk,
+    vtp,
+)
 from paradesc.bridge import InputError, origin
 from paradesc.core import polygons
-from paradesc.files import gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds
+from paradesc.files import (
+    gltf_file,
+    mesh_files,
+    neuro_files,
+    obj_file,
+    off_file,
+    ply_file,
+    stl_file,
+    text_rows,
+    vtk_legacy_file,
+    vtp_file,
+    wrong_kinds,
+)
 from refusals import check_all_provoked, failing, refusal
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -49,6 +79,20 @@ def with_uri(uri):
     header, _ = ball()
     header["buffers"][0]["uri"] = uri
     return json.dumps(header).encode()
+
+
+def changed_text(content, before, after):
+    assert before in content
+    return content.replace(before, after, 1)
+
+
+def packed_vtp(size, last, block):
+    """Points that lie in one block of so many bytes as the header says; None: what no one packed."""
+    packed = b"\0\0\0" if block is None else zlib.compress(block)
+    head = np.array([1, size, last, len(packed)], "<u4").tobytes()
+    text = "".join(base64.b64encode(part).decode() for part in (head, packed))
+    made = PIECE.format(ARRAY.format("binary", "", text), "")
+    return made.replace('type="PolyData"', 'type="PolyData" compressor="vtkZLibDataCompressor"')
 
 
 OBJ = [
@@ -158,6 +202,55 @@ GLTF = [
     (".gltf", with_uri("data:a;base64,A"), "a buffer in it is damaged"),
     (".gltf", embedded(*ball()).replace(b"data:application/octet-stream;base64,", b"data:,"), "a face has vertex"),
 ]  # fmt: skip
+VTK = [
+    (b"# vtk", "does not begin as a file of VTK's legacy format"),
+    (changed_text(vtk(), b"218 float", b"218 quad"), 'numbers of the type "quad"'),
+    (changed_text(vtk(), b"218 float", b"219 float"), "it promises 657 numbers where it has others"),
+    (changed_text(vtk(), b"218 float", b"x float"), 'it has "x" where a number of points or polygons should be'),
+    (changed_text(vtk(), b" 218 float", b""), 'its line "POINTS" is not complete'),
+    (changed_text(vtk(), b"POINTS", b"PLACES"), 'it has "PLACES 218 float" where points or polygons should begin'),
+    (changed_text(vtk(), b"POLYDATA", b"UNSTRUCTURED_GRID"), "it holds a UNSTRUCTURED_GRID, and no surface (POLYDATA)"),
+    (changed_text(vtk(), b"432 1728", b"431 1728"), "it promises 431 polygons and has another number"),
+    (changed_text(vtk(), b"432 1728", b"-1 1728"), 'it has "-1" where a number'),
+    (vtk("BINARY")[:1000], "it promises 654 numbers and ends before them; it was cut off"),
+    (changed_text(vtk(before=FIELD), b"FieldData 2", b"FieldData 9"), "is not complete"),
+    (b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nFIELD a 1\n", "it ends within a field"),
+    (changed_text(vtk(version="5.1"), b"CONNECTIVITY", b"NORMALS"), "its polygons have no CONNECTIVITY"),
+    (changed_text(vtk(version="5.1"), b"1293", b"1233"), "its polygons do not follow each other"),
+    (vtk().split(b"POLYGONS")[0], "has no faces"),
+]
+PIECE = '<?xml version="1.0"?><VTKFile type="PolyData"><PolyData><Piece>{}</Piece></PolyData>{}</VTKFile>'
+ARRAY = '<Points><DataArray type="Float32" format="{}" {}>{}</DataArray></Points>'
+VTP = [
+    ("<VTKFile>", "its XML is damaged or cut off"),
+    ('<VTKFile type="UnstructuredGrid"/>', "it holds UnstructuredGrid, and no surface (PolyData)"),
+    ("<html/>", "it is a web page"),
+    ("<a/>", "it holds a, and no surface"),
+    (PIECE.format("", ""), "has no faces"),
+    (PIECE.format(ARRAY.format("ascii", "", "0 0 0"), ""), "has no faces"),
+    (PIECE.format(ARRAY.format("ascii", "", "0 0"), ""), "its points are no rows of three numbers"),
+    (PIECE.format(ARRAY.format("ascii", "", "0 0 a"), ""), "holds other things than numbers"),
+    (PIECE.format(ARRAY.format("tape", "", ""), ""), 'it has an array of the format "tape"'),
+    (PIECE.format(ARRAY.format("binary", "", ""), ""), "it ends within an array; it was cut off"),
+    (PIECE.format(ARRAY.format("binary", "", "!!!!!!!!"), ""), "an array of it is no base64"),
+    (PIECE.format(ARRAY.format("appended", "", ""), ""), 'it has "None" where a number of bytes should be'),
+    (PIECE.format(ARRAY.format("appended", 'offset="0"', ""), ""), "an array of it lies behind its end"),
+    (PIECE.format("", '<AppendedData encoding="raw">'), "its appended arrays do not begin"),
+    (changed_text(vtp(), b"Float32", b"String"), 'it has an array of the type "String"'),
+    (changed_text(vtp(), b"ZLib", b"LZ4"), "its arrays are packed by vtkLZ4DataCompressor"),
+    (vtp("appended", raw=True)[:3000], "an array of it lies behind its end"),
+    (packed_vtp(1000, 0, b"x" * 500), "what is packed in it is not as long as it promises"),
+    (packed_vtp(1 << 30, 0, b"x"), "it promises more than what is packed in it can be"),
+    (packed_vtp(9, 0, None), "it is damaged"),
+]
+NEURO = [
+    (".gii", "<GIFTI", "nibabel finds it damaged"),
+    (".gii", changed_text(gii(), b"FLOAT32", b"FLOAT99"), "nibabel finds it damaged"),
+    (".gii", gii(codes=("NIFTI_INTENT_SHAPE", "NIFTI_INTENT_TRIANGLE")), "it holds no triangles of points, but values"),
+    (".white", freesurfer()[:3000], "nibabel finds it damaged"),
+    (".white", b"\xff\xff\xff" + bytes(12 + 4 * 100), "it holds no triangles of points, but values"),
+    (".white", b"x", "nibabel finds it damaged"),
+]
 OTHERS = [
     (".obj", "", "it is empty"),
     (".ply", "version https://git-lfs.github.com/spec/v1\noid sha256:aa\n", "it is a pointer of Git LFS"),
@@ -174,7 +267,8 @@ OTHERS = [
 ]
 ALL = [
     *((".obj", *row) for row in OBJ), *((".ply", *row) for row in PLY), *((".off", *row) for row in OFF),
-    *((".stl", *row) for row in STL), *GLTF, *OTHERS,
+    *((".stl", *row) for row in STL), *((".vtk", *row) for row in VTK), *((".vtp", *row) for row in VTP), *GLTF,
+    *NEURO, *OTHERS,
 ]  # fmt: skip
 
 
@@ -204,12 +298,21 @@ def test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_
             mesh_files.read(path)
 
 
+def test_files_of_brains_say_what_to_install_where_nibabel_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setattr(neuro_files.importlib.util, "find_spec", lambda name: None)
+    sentence = refusal(mesh_files.read, tmp_path / "a.gii", gii())
+    assert sentence.endswith("it needs nibabel, which is not installed; pip install paradesc[neuro].")
+
+
 def test_what_reaches_too_far_for_the_library_is_one_sentence():
     with pytest.raises(InputError, match="reaches 1e\\+40 far, which is more than 32-bit floats hold"):
         origin.near_origin(np.array([[-1e40, 0, 0], [1e40, 0, 0]]))
 
 
-READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, polygons, stl_file, text_rows, wrong_kinds)
+READERS = (
+    gltf_file, mesh_files, neuro_files, obj_file, off_file, ply_file, polygons, stl_file, text_rows, vtk_legacy_file,
+    vtp_file, wrong_kinds,
+)  # fmt: skip
 
 
 def test_every_refusal_of_the_readers_is_provoked_above(tmp_path, monkeypatch):
@@ -217,6 +320,8 @@ def test_every_refusal_of_the_readers_is_provoked_above(tmp_path, monkeypatch):
         for suffix, content, _ in ALL:
             refusal(mesh_files.read, tmp_path / f"a{suffix}", content)
         test_a_file_that_is_not_there_or_cannot_be_is_one_sentence(tmp_path, "b.obj")
+        with monkeypatch.context() as patched:
+            test_files_of_brains_say_what_to_install_where_nibabel_is_missing(tmp_path, patched)
         test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_sentence(tmp_path, monkeypatch)
 
     check_all_provoked(READERS, provoke)

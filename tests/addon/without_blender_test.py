@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mesh_kinds import SOUND
+from mesh_kinds import NEURO, SOUND
 from paradesc.files import cache, exr
 from shapes import ADDON, RADIUS, cube_sphere, write_obj
 
@@ -84,7 +84,8 @@ def test_a_file_that_only_blender_opens_says_so_in_one_sentence(python, tmp_path
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr == (
         'paradesc: Blender\'s Python module bpy is not installed here to open "scene.blend"; pip install bpy, or give '
-        "one of .obj, .ply, .stl, .off, .glb, .gltf.\n"
+        "one of .obj, .ply, .stl, .glb, .gltf, .off, .vtp, .vtk, .gii, .white, .pial, .smoothwm, .inflated, .orig, "
+        ".sphere.\n"
     )
 
 
@@ -280,7 +281,7 @@ def test_frames_with_other_faces_are_baked_and_have_no_change(python, tmp_path):
 
 
 def test_files_of_all_formats_are_read_where_only_numpy_is_beside_it(python, tmp_path):
-    kinds = {suffix: content for (suffix, _), content in reversed(SOUND.items())}
+    kinds = {suffix: content for (suffix, _), content in reversed(SOUND.items()) if suffix not in NEURO}
     for suffix, content in kinds.items():
         (tmp_path / f"ball{suffix}").write_bytes(content)
     more = ("--radius", "0.2", "--space", "world", "--all")
@@ -292,6 +293,14 @@ def test_files_of_all_formats_are_read_where_only_numpy_is_beside_it(python, tmp
         report = json.loads((tmp_path / f"{kind[1:]}.json").read_text())
         assert report["objects"][0]["mesh_report"]["triangle_count"] == 432
         assert np.allclose(np.load(tmp_path / f"{kind[1:]}.npz")["mean_curvature"], 1 / RADIUS, rtol=0.05)
+
+
+def test_files_of_brains_say_what_to_install_where_only_numpy_is_beside_it(python, tmp_path):
+    for suffix in NEURO:
+        (tmp_path / f"lh{suffix}").write_bytes(next(content for (kind, _), content in SOUND.items() if kind == suffix))
+        done = python("-m", "paradesc", "bake", f"lh{suffix}", "--output", "out.npz")
+        assert done.returncode == 3
+        assert "it needs nibabel, which is not installed; pip install paradesc[neuro]." in done.stderr
 
 
 # ---- What makes no sense

@@ -1,6 +1,6 @@
 // A mesh's file → mean curvature by CGAL's interpolated corrected curvature measures in a ball, and the seconds it took.
 //
-//   paradesc_cgal_curvature MESH RADIUS VALUES
+//   paradesc_cgal_curvature MESH RADIUS VALUES [gaussian]        # Gaussian curvature instead
 //
 // RADIUS is in units of the positions. VALUES gets int32 n, n int32 vertices, n float values, in the order of the vertices.
 // Reading and making the mesh do not count.
@@ -31,13 +31,17 @@ Mesh build(const test::TestMesh &read) {
   return mesh;
 }
 
-void run(const std::string &path, double radius, const std::string &values_path) {
+void run(const std::string &path, double radius, const std::string &values_path, bool gaussian) {
   const Mesh mesh = build(read_mesh(path));
   std::vector<double> curvature(mesh.number_of_vertices());
   const auto map = boost::make_iterator_property_map(curvature.begin(), get(boost::vertex_index, mesh));
   const auto start = std::chrono::steady_clock::now();
-  CGAL::Polygon_mesh_processing::interpolated_corrected_curvatures(
-      mesh, CGAL::parameters::vertex_mean_curvature_map(map).ball_radius(radius));
+  if (gaussian)
+    CGAL::Polygon_mesh_processing::interpolated_corrected_curvatures(
+        mesh, CGAL::parameters::vertex_Gaussian_curvature_map(map).ball_radius(radius));
+  else
+    CGAL::Polygon_mesh_processing::interpolated_corrected_curvatures(
+        mesh, CGAL::parameters::vertex_mean_curvature_map(map).ball_radius(radius));
   std::printf("%.6f\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 
   std::vector<int32_t> vertices(curvature.size());
@@ -50,8 +54,9 @@ void run(const std::string &path, double radius, const std::string &values_path)
 
 int main(int count, char **arguments) {
   try {
-    if (count != 4) throw std::runtime_error("Give a mesh's file, the radius, and a file for the values.");
-    paradesc::bench::run(arguments[1], std::stod(arguments[2]), arguments[3]);
+    const bool gaussian = count == 5 && std::string(arguments[4]) == "gaussian";
+    if (count != 4 + gaussian) throw std::runtime_error("Give a mesh's file, the radius, and a file for the values.");
+    paradesc::bench::run(arguments[1], std::stod(arguments[2]), arguments[3], gaussian);
     return 0;
   } catch (const std::exception &error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -77,10 +77,10 @@ def object_space(
     return taken, {method: read_values(files[method]) for method in taken}
 
 
-def cgal(build: Path, mesh: Path, radius: float) -> tuple[float, Values]:
-    """Seconds and H of CGAL's interpolated corrected curvatures."""
+def cgal(build: Path, mesh: Path, radius: float, *kind: str) -> tuple[float, Values]:
+    """Seconds and H of CGAL's interpolated corrected curvatures; with the word gaussian K."""
     file = mesh.with_suffix(".values")
-    seconds = float(printed(build, CGAL, [str(mesh), repr(radius), str(file)]))
+    seconds = float(printed(build, CGAL, [str(mesh), repr(radius), str(file), *kind]))
     return seconds, read_values(file)
 
 

@@ -2,6 +2,7 @@
 
     .venv/bin/python tests/bench/python_peers.py                 # some three minutes; results/python_peers.json
     .venv/bin/python tests/bench/python_peers.py --page          # and tests/bench/REPORT.md, the manual's table
+    .venv/bin/python tests/bench/python_peers.py --rough --page  # noise, stairs, folds alone: times are kept
     .venv/bin/python tests/bench/python_peers.py --quick         # the torus once: to try it; nothing is kept
 
 The jobs are those of python_jobs.py. A package that is not installed is left out with a sentence. Time is everything
@@ -29,6 +30,7 @@ import meshes  # noqa: E402
 import parts  # noqa: E402
 import peer_parts  # noqa: E402
 import peers  # noqa: E402
+import rough_rows  # noqa: E402
 import run  # noqa: E402
 import speed_page  # noqa: E402
 import surfaces  # noqa: E402
@@ -40,6 +42,12 @@ import paradesc  # noqa: E402
 
 H, K = "mean_curvature", "gaussian_curvature"
 FRACTION = 0.02  # of the diagonal: the radius
+# Surfaces that are not smooth, by the heads of the manual's columns: of those of the accuracy report.
+ROUGH = {
+    "noise 0.1 edges": rough_rows.Row("torus", "noise", 0.1),
+    "staircase": rough_rows.Row("torus", "stairs"),
+    "folds": rough_rows.Row("torus", "folds", moved=0.45),
+}
 SMALL = 600  # vertices of the torus on which each job runs once, untimed
 
 
@@ -63,6 +71,7 @@ def parse(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="the torus alone, one turn; kept only with --json")
     parser.add_argument("--json", type=Path, help="where the figures go (default: results/python_peers.json)")
     parser.add_argument("--page", action="store_true", help="write REPORT.md and the manual's table from all results")
+    parser.add_argument("--rough", action="store_true", help="add errors under noise, stairs and folds to what is kept")
     arguments = parser.parse_args(words)
     if arguments.quick and arguments.page:
         parser.error("--quick is for trying, not for the page")
@@ -137,6 +146,23 @@ def in_turns(cases: dict[str, Case], jobs: dict[str, Job], turns: int, rows: dic
         parts.say("\n")
 
 
+def rough_errors(jobs: dict[str, Job], rows: dict, reasons: dict) -> None:
+    """Puts the errors on surfaces that are not smooth into the rows of the jobs."""
+    for head, row in ROUGH.items():
+        made = row.make()
+        mean, gaussian = (made.truth[name] for name in (H, K))
+        case = Case(made.points, made.faces.astype(np.int64), FRACTION * made.diagonal, mean, gaussian)
+        for name in [name for name in jobs if name in rows and name not in reasons]:
+            parts.say(f"{head} {name} … ")
+            try:
+                found = once(jobs[name], case)
+            except MissingError as error:
+                reasons[name] = str(error)
+            else:
+                rows[name].setdefault("rough", {})[head] = {key: found[key] for key in ("error_mean", "error_gaussian")}
+        parts.say("\n")
+
+
 def versions(jobs: dict[str, Job]) -> dict[str, str]:
     """The versions of the packages that are installed, numpy's first."""
     found = {"numpy": np.__version__, "paradesc": paradesc.__version__}
@@ -159,6 +185,8 @@ def content(arguments: argparse.Namespace, command: str) -> dict[str, object]:
         except MissingError as error:
             lacking[name] = str(error)
     rows, reasons = measure(cases, JOBS, 1 if arguments.quick else peer_parts.TURNS)
+    if not arguments.quick:
+        rough_errors(JOBS, rows, reasons)
     sizes = {
         name: {"vertices": len(case.vertices), "triangles": len(case.faces), "radius": case.radius}
         for name, case in cases.items()
@@ -172,7 +200,13 @@ def main(words: list[str] | None = None) -> int:
     arguments = parse(words)
     results = HERE / "results"
     given = sys.argv[1:] if words is None else words
-    found = content(arguments, " ".join(["python tests/bench/python_peers.py", *given]))
+    if arguments.rough:
+        found = json.loads((results / speed_page.PYTHON).read_text())
+        lacking: dict[str, str] = {}
+        rough_errors(JOBS, found["rows"], lacking)
+        parts.say("".join(f"{reason}\n" for reason in lacking.values()))
+    else:
+        found = content(arguments, " ".join(["python tests/bench/python_peers.py", *given]))
     kept = arguments.json or (None if arguments.quick else results / speed_page.PYTHON)
     if kept:
         kept.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")

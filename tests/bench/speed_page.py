@@ -328,11 +328,15 @@ def python_intro(found: dict) -> str:
 def manual_lines(found: dict) -> list[str]:
     """What the manual shows: time on the last mesh, and errors on the first, which has a closed form."""
     first, *_, last = list(found["meshes"]) * 2
-    lines = ["", f"| | lines of code | {last}, ms | H, error % | K, error % | measured over |"]
-    lines.append("| --- |" + " ---: |" * 4 + " --- |")
-    for row in python_rows(found):
+    rows = python_rows(found)
+    heads = list(dict.fromkeys(name for row in rows for name in row.get("rough", {})))
+    head = ["lines of code", f"{last}, ms", "H, error %", "K, error %", *heads, "measured over"]
+    lines = ["", f"| | {' | '.join(head)} |"]
+    lines.append("| --- |" + " ---: |" * (4 + len(heads)) + " --- |")
+    for row in rows:
+        rough = [percent(row.get("rough", {}).get(name, {}).get("error_mean")) for name in heads]
         errors = [percent(row[first][f"error_{name}"]) for name in ("mean", "gaussian")]
-        cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, row["size"]]
+        cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, *rough, row["size"]]
         lines.append("| " + " | ".join(cells) + " |")
     used = ", ".join(f"{name} {version}" for name, version in found["versions"].items() if name != "paradesc")
     where = f"{found['cpu']}, {found['cores']} cores, {found['date']}, load before {found['load_before']}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
 from ..core.color_maps import Look
+from ..core.face_centers import DOMAINS
 from ..files import results
 from . import images, pairs
 from .common import (
@@ -33,7 +34,7 @@ from .options import (
     scene_settings,
     settings_of,
 )
-from .outputs import add_output_files, check_files, files_of, write_files
+from .outputs import add_output_files, check_files, check_values, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
 from .reading import Target, mesh_name, read_object, world_matrix
 
@@ -53,6 +54,8 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_output_files(bake)
     add_look_options(bake)
     add = bake.add_argument
+    places = "measure at vertices (default), or at the middles of faces (.vtp, .vtk, .ply, .npz, .png)"
+    add("--domain", choices=DOMAINS, help=places)
     threshold = "corners have at least this share of the largest response (default: 0.05)"
     add("--corner-threshold", type=float, metavar="T", help=threshold)
     add("--fail-under-coverage", type=float, metavar="SHARE",
@@ -72,8 +75,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     opened = pairs.opened_lows(arguments) if onto else open_objects(arguments)
     settings = opened_settings(arguments)
     opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
-    if arguments.corners and "harris" not in settings.descriptors:
-        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    check_values(arguments, settings)
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
     baked = bake_onto(opened, settings, arguments) if onto else bake_objects(opened.objects, settings, arguments)
@@ -228,10 +230,10 @@ def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], war
                 failed.append(
                     f'The coverage of "{one.object_name}"{at} is {coverage:.4g}, below the {least:g} asked for.'
                 )
-            share = field["undefined_vertices"] / max(len(one.arrays.positions), 1)
+            share, places = field["undefined_vertices"] / max(len(one.results.coverage), 1), one.results.settings.domain
             if most is not None and not share <= most:
                 failed.append(
-                    f'Of "{one.object_name}"{at}, {share:.4g} of the vertices are undefined; {most:g} are allowed.'
+                    f'Of "{one.object_name}"{at}, {share:.4g} of the {places} are undefined; {most:g} are allowed.'
                 )
     if arguments.fail_on_warnings and warnings:
         failed.append(f"There are warnings ({len(warnings)}): {warnings[0]}")
@@ -250,7 +252,8 @@ def print_summary(baked: results.Baked) -> None:
     texels = f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
     print(
         f"radius {field['radius']:.6g}{texels}, "
-        f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
+        f"coverage {100 * field['coverage_mean']:.3f} %, "
+        f"undefined {found.settings.domain} {field['undefined_vertices']:,}"
     )
     buffers = f", buffers {field['buffer_megabytes']:.1f} MB" if field["buffer_megabytes"] > 0 else ""
     places = f"{field['places']:,} places evaluated, memory about {field['memory_megabytes']:,.0f} MB"

@@ -14,7 +14,6 @@ from .common import UsageError, has_blender, saves_scene
 from .images import paths_of
 
 READERS = ("auto", "blender", "files")
-BLENDER_LACKS = (".off",)
 KNOWN = ", ".join(mesh_files.SUFFIXES)
 # Options that are about what only Blender's files have, or that Blender does.
 BY_BLENDER = {
@@ -40,7 +39,7 @@ def reads_files(arguments: argparse.Namespace) -> bool:
     suffix = arguments.input.suffix.lower()
     if arguments.reader == "files":
         return True
-    return suffix in BLENDER_LACKS or (suffix in mesh_files.SUFFIXES and not has_blender())
+    return suffix in mesh_files.BLENDER_LACKS or (suffix in mesh_files.SUFFIXES and not has_blender())
 
 
 def missing(arguments: argparse.Namespace) -> Exception:

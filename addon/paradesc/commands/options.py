@@ -39,12 +39,15 @@ def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> Non
 
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Adds the input file."""
-    known = ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .fbx or .usd; in Blender: the open file"
+    known = (
+        ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .vtp, .vtk, .gii, a surface of FreeSurfer (lh.white), .fbx or "
+        ".usd; in Blender: the open file"
+    )
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
     parser.add_argument(
         "--reader", choices=READERS, default="auto",
         help="what reads the input: Blender where it is installed (default), or always Paradesc itself (.obj, .ply, "
-        ".stl, .off, .glb, .gltf), with the vertices and axes of the file",
+        ".stl, .glb, .gltf; others it reads anyway), with the vertices and axes of the file",
     )  # fmt: skip
 
 
@@ -156,6 +159,7 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         more_radii=tuple(more),
         corner_threshold=given_or(arguments, "corner_threshold", base.corner_threshold),
         space=given_or(arguments, "space", base.space),
+        domain=given_or(arguments, "domain", base.domain),
         memory_limit=given_or(arguments, "memory_limit", base.memory_limit),
     )
 

@@ -5,8 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from .. import bridge
-from ..bridge import uses_texture_space
-from ..files import maps, results, tile_names, vtk_files
+from ..bridge import ParadescError, abi, uses_texture_space
+from ..core import job
+from ..files import maps, neuro_files, results, tile_names, vtk_files
 from ..files.results import Baked, folder_fault, write_whole
 from .common import Progress, UsageError, check_outputs, check_overwriting
 from .images import file_name, paths_of, write_images
@@ -17,7 +18,10 @@ WRITERS: dict[str, Callable[[Path, Baked], None]] = {
     ".vtp": vtk_files.write_vtp,
     ".vtk": vtk_files.write_vtk,
     ".png": results.write_picture,
+    ".gii": neuro_files.write_gifti,
+    ".curv": neuro_files.write_curv,
 }
+OF_FACES = (".npz", ".ply", ".vtp", ".vtk", ".png")
 PNG_RANGES = ("values", "colors")
 OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 
@@ -26,8 +30,8 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
     output = (
-        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .png (picture) or .exr (image over the UV map); give it "
-        "again for more"
+        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .gii (GIFTI) or .curv (FreeSurfer, of one descriptor), .png "
+        "(picture) or .exr (image over the UV map); give it again for more"
     )
     image = (
         "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor); of "
@@ -53,6 +57,7 @@ def check_files(arguments: argparse.Namespace) -> None:
             if path.suffix.lower() not in suffixes:
                 raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
     check_tile_names(arguments)
+    check_domain(arguments)
     if arguments.pack and not any(path.suffix.lower() == ".png" for path in arguments.map):
         raise UsageError("--pack says what a .png image holds; give --map IMAGE.png as well.")
     paths = files_of(arguments)
@@ -66,6 +71,33 @@ def check_files(arguments: argparse.Namespace) -> None:
         raise UsageError(f"The backend {arguments.backend} bakes no buffers to dump; choose another.")
     if folder is not None and folder_fault(folder):
         raise UsageError(folder_fault(folder))
+
+
+def check_domain(arguments: argparse.Namespace) -> None:
+    """Refuses what holds no values of faces, and formats for which a part of the installation is missing."""
+    for path in arguments.output:
+        suffix = path.suffix.lower()
+        if arguments.domain == "faces" and suffix not in OF_FACES:
+            raise UsageError(f'"{path}" holds no values of faces; give one of {", ".join(OF_FACES)}.')
+        if suffix in neuro_files.SUFFIXES and neuro_files.fault():
+            raise ParadescError(abi.STATUS_UNSUPPORTED, f'"{path}" cannot be written: {neuro_files.fault()}.')
+    others = {"--map": arguments.map, "--dump-buffers": arguments.dump_buffers, "--corners": arguments.corners}
+    others |= {"--from": arguments.from_objects, "--from-file": arguments.from_file, "--pairs": arguments.pairs}
+    for option, given in others.items():
+        if arguments.domain == "faces" and given:
+            raise UsageError(f"{option} has nothing to do with values of faces; leave it or --domain out.")
+
+
+def check_values(arguments: argparse.Namespace, settings: job.Settings) -> None:
+    """Refuses what does not hold the values that these settings give."""
+    names = settings.value_names()
+    if arguments.corners and "harris" not in settings.descriptors:
+        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    single = len(names) == 1 and bridge.components(settings.descriptors[0]) == 1
+    for path in arguments.output if not single else ():
+        if path.suffix.lower() == ".curv":
+            sentence = f'"{path}" holds one number at each vertex; ask for one descriptor at one radius, or give a .gii'
+            raise UsageError(f"{sentence}.")
 
 
 def check_tile_names(arguments: argparse.Namespace) -> None:

@@ -44,6 +44,7 @@ class Settings:
     radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitting.py finds the radius; then "fitted"
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
     threads: int = 0  # 0: all cores; neither in as_dict()
+    domain: str = "vertices"  # or "faces", at which face_centers.py computes
 
     def value_names(self) -> list[str]:
         """The names of the results: the descriptors, at each radius if there are several."""
@@ -59,6 +60,8 @@ class Settings:
         flat.update(corner_threshold=self.corner_threshold, space=self.space)
         if self.radius_fit != "typed":  # reports of each object then have its radius
             flat["radius_fit"] = self.radius_fit
+        if self.domain != "vertices":
+            flat["domain"] = self.domain
         return flat
 
 
@@ -86,7 +89,7 @@ class OfTiles(Protocol):
 
 @dataclass
 class Results:
-    """Everything that one bake leaves behind."""
+    """Everything that one bake leaves behind; in the domain of faces, they stand for vertices in all that follows."""
 
     settings: Settings
     values: dict[str, np.ndarray]  # each (vertex_count,) float32, NaN where undefined

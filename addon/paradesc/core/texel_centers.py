@@ -21,6 +21,8 @@ SHARE_BELOW = 0.05
 # reads lies up to 1.42 off a chart, and one that belongs to another chart up to 0.71 off that.
 LEAST_SIDE = 512
 GUTTER = 2.5 / LEAST_SIDE
+# The native library makes no larger map.
+LARGEST_MAP = 8192
 # The side of an image that tells how bright a mask is.
 SMALL_SIDE = 96
 # Each texel is evaluated unless centers are so much fewer.

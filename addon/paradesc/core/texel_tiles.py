@@ -8,10 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from . import job, texel_centers, udim
-
-# The native library makes no larger map.
-LARGEST_MAP = 8192
+from . import face_centers, job, texel_centers, udim
 
 
 @dataclass
@@ -48,7 +45,7 @@ class TexelTiles:
 
 def side_for(size: int, uvs: np.ndarray) -> int:
     """How many texels along a side of one map are as fine as size texels along a tile."""
-    return min(LARGEST_MAP, max(size, int(np.ceil(size * udim.extent(uvs)))))
+    return min(texel_centers.LARGEST_MAP, max(size, int(np.ceil(size * udim.extent(uvs)))))
 
 
 def one_by_one(arrays: MeshArrays, settings: job.Settings, size: int, exact: bool) -> bool:
@@ -94,7 +91,9 @@ def run_where_asked(
     progress: ProgressFunction | None = None,
     with_buffers: bool = False,
 ) -> job.Results:
-    """Computes like job.run(); where that evaluates texels, the images of tiles get as many as one image would."""
+    """Computes like job.run(), or at faces; where texels are evaluated, images of tiles get as many as one would."""
+    if settings.domain == "faces":
+        return face_centers.run(arrays, settings, progress)
     size = settings.options.texels
     if not tiles or settings.options.evaluate != "texel" or job.backend_for(settings, with_buffers) == "reference":
         return job.run(arrays, settings, progress, with_buffers)

@@ -1,4 +1,4 @@
-"""Reads mesh files without Blender: .obj, .ply, .stl, .off, .glb and .gltf, each by a reader of our own.
+"""Reads mesh files without Blender, each by a reader of our own, but GIFTI and FreeSurfer's by nibabel.
 
 A file's own vertices are kept in their order, whether a face uses them or not; only the loose triangles of .stl, which
 have no vertices in common, are welded.
@@ -12,11 +12,22 @@ import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, origin
 from ..core.polygons import PolygonMesh
-from . import gltf_file, obj_file, off_file, ply_file, stl_file, wrong_kinds
+from . import (
+    gltf_file,
+    neuro_files,
+    obj_file,
+    off_file,
+    ply_file,
+    stl_file,
+    vtk_legacy_file,
+    vtp_file,
+    wrong_kinds,
+)
 from .gltf_file import UnknownError
 from .paths import is_file
 
-SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
+BLENDER_LACKS = (".off", ".vtp", ".vtk", ".gii", *neuro_files.SURFACES)
+SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", *BLENDER_LACKS)
 # A mesh as its reader found it: its name, itself, and its (4, 4) place in the world.
 Found = tuple[str, PolygonMesh, np.ndarray]
 
@@ -136,4 +147,8 @@ READERS: dict[str, Callable[[Path], list[Found]]] = {
     ".off": of_one(off_file.read),
     ".glb": gltf_file.read,
     ".gltf": gltf_file.read,
+    ".vtp": of_one(vtp_file.read),
+    ".vtk": of_one(vtk_legacy_file.read),
+    ".gii": of_one(neuro_files.read_gifti),
+    **dict.fromkeys(neuro_files.SURFACES, of_one(neuro_files.read_freesurfer)),
 }

@@ -35,6 +35,16 @@ class Baked:
     notes: list[str] = field(default_factory=list)  # what was done to the input, beside the results' own warnings
     reading: object = None  # sources.Reading: where the results belong in the scene
 
+    @property
+    def at_faces(self) -> bool:
+        """Whether the results are values of the triangles, and not of the vertices."""
+        return self.results.settings.domain == "faces"
+
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """The results as (n,) columns."""
+        return columns_of({**self.results.values, **self.results.extras})
+
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
         return self.results.shown(name)
@@ -48,8 +58,20 @@ class Baked:
         return color_maps.colors(self.results.values[name], self.shown(name))
 
 
+def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The (n,) columns of values (n,) or (n, 3), of which those of vectors are named name_x, name_y and name_z."""
+    found = {}
+    for name, array in values.items():
+        parts = {name: array} if array.ndim == 1 else {f"{name}_{axis}": array[:, k] for k, axis in enumerate("xyz")}
+        found.update(parts)
+    return found
+
+
 def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,)."""
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,).
+
+    Values of faces are as long as the triangles (m, 3), which are then written too.
+    """
     with path.open("wb") as file:
         np.savez(file, **arrays_of(baked))
 
@@ -57,47 +79,52 @@ def write_npz(path: Path, baked: Baked) -> None:
 def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
     """What a .npz file holds of one object."""
     placed = {"vertices": baked.arrays.positions, "matrix_world": baked.matrix_world}
+    if baked.at_faces:
+        placed["triangles"] = baked.arrays.triangle_vertices
     return {**placed, **baked.results.values, **baked.results.extras}
 
 
 def write_ply(path: Path, baked: Baked) -> None:
-    """Writes a binary PLY in object space: vertices with the first descriptor's colors, and all values."""
-    values = {}
-    for name, array in {**baked.results.values, **baked.results.extras}.items():
-        if array.ndim == 1:
-            values[name] = array
-        else:
-            values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
-    place = baked.arrays.positions.dtype.newbyteorder("<")
-    layout = [("x", place), ("y", place), ("z", place), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
-    vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
-    for axis, name in enumerate("xyz"):
-        vertices[name] = baked.arrays.positions[:, axis]
+    """Writes a binary PLY in object space: vertices or faces with the first descriptor's colors, and all values."""
     colors = np.round(255 * baked.colors(next(iter(baked.results.values)))).astype(np.uint8)
-    for channel, name in enumerate(("red", "green", "blue")):
-        vertices[name] = colors[:, channel]
-    for name, array in values.items():
-        vertices[name] = array
-    triangles = baked.arrays.triangle_vertices
-    faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("vertices", "<i4", (3,))]))
-    faces["count"] = 3
-    faces["vertices"] = triangles
-    kinds = {"<f4": "float", "<f8": "double", "u1": "uchar"}
+    values = dict(zip(("red", "green", "blue"), colors.T, strict=True))
+    values |= {name: array.astype("<f4") for name, array in baked.columns.items()}
+    place = baked.arrays.positions.dtype.newbyteorder("<")
+    points = {name: baked.arrays.positions[:, axis].astype(place) for axis, name in enumerate("xyz")}
+    triangles = baked.arrays.triangle_vertices.astype("<i4")
+    corners = {"count": np.full(len(triangles), 3, np.uint8), "vertices": triangles}
+    vertices, faces = (table_of(points), table_of(corners | values)) if baked.at_faces else (
+        table_of(points | values), table_of(corners))  # fmt: skip
+    kinds = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", "comment Paradesc", f"element vertex {len(vertices)}"]
-    header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
-    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-    path.write_bytes("\n".join(header).encode() + vertices.tobytes() + faces.tobytes())
+    header += [f"property {kinds[vertices.dtype[name].str]} {name}" for name in vertices.dtype.names]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    header += [f"property {kinds[faces.dtype[name].str]} {name}" for name in faces.dtype.names if name not in corners]
+    path.write_bytes("\n".join([*header, "end_header", ""]).encode() + vertices.tobytes() + faces.tobytes())
+
+
+def table_of(columns: dict[str, np.ndarray]) -> np.ndarray:
+    """(n,) rows of columns (n,) or (n, k), without gaps."""
+    layout = [(name, column.dtype, column.shape[1:]) for name, column in columns.items()]
+    table = np.empty(len(next(iter(columns.values()))), np.dtype(layout))
+    for name, column in columns.items():
+        table[name] = column
+    return table
 
 
 def write_picture(path: Path, baked: Baked) -> None:
     """Writes a PNG with one view for each descriptor, in world space."""
     matrix = baked.matrix_world
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    triangles, times = baked.arrays.triangle_vertices, 1
+    if baked.at_faces:  # each has vertices of its own, which have its color
+        points, triangles, times = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3), 3
     views = []
     for name in baked.results.values:
         shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
-        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), shown))
-    png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
+        colors = np.repeat(baked.colors(name), times, axis=0)
+        views.append(picture.View(colors, legend.title(name, baked.unit(name)), shown))
+    png.write_png(path, picture.compose(points, triangles, views))
 
 
 def write_npz_of_all(path: Path, baked: list[Baked]) -> None:

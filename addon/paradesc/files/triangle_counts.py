@@ -12,7 +12,8 @@ from .stl_file import HEADER, TRIANGLE
 
 FIRST_BYTES = 1 << 16
 # Bytes that a triangle takes in files of text, with its share of vertices, normals and texture coordinates.
-TEXT_BYTES = {".obj": 45, ".stl": 260, ".ply": 45, ".off": 45}
+TEXT_BYTES = {".obj": 45, ".stl": 260, ".ply": 45, ".off": 45, ".vtk": 25, ".vtp": 15, ".gii": 20}
+BINARY_BYTES = 18  # the same of FreeSurfer's
 GLTF_BYTES = 24  # of a triangle, where the file does not tell
 
 
@@ -39,7 +40,10 @@ def counted(suffix: str, first: bytes, size: int) -> int:
         return int(found[1])
     if suffix in (".glb", ".gltf"):
         return counted_gltf(first, size)
-    return size // TEXT_BYTES[suffix]
+    found = re.search(rb"^POLYGONS (\d+)|NumberOfPolys=\"(\d+)\"", first, re.MULTILINE)
+    if found:  # a point more is named where VTK tells where each begins
+        return int(found[1] or found[2])
+    return size // TEXT_BYTES.get(suffix, BINARY_BYTES)
 
 
 def counted_gltf(first: bytes, size: int) -> int:

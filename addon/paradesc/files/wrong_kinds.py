@@ -13,7 +13,8 @@ BEGINNINGS = (
     (b"\xff\xfe", "it is text in UTF-16; save it as UTF-8"),
     (b"\xfe\xff", "it is text in UTF-16; save it as UTF-8"),
 )
-WEB_PAGE = re.compile(rb"(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|\?xml|head|body)", re.IGNORECASE)
+WEB_PAGE = re.compile(rb"(?:\xef\xbb\xbf)?\s*<(?:!doctype html|html|\?xml|head|body)", re.IGNORECASE)
+XML = (".vtp", ".gii")
 # Two letters, each with a zero byte before or after it.
 WIDE_TEXT = re.compile(rb"(?:[\t\n\r -~]\0){2}|(?:\0[\t\n\r -~]){2}")
 MNI = re.compile(rb"[Pp]\s+[-+.\deE]+\s+[-+.\deE]+\s+[-+.\deE]+\s")
@@ -29,7 +30,8 @@ def fault(suffix: str, first: bytes) -> str:
         return found
     if not first:
         return "it is empty"
-    if WEB_PAGE.match(first):
+    page = WEB_PAGE.match(first)
+    if page and not (suffix in XML and page[0].endswith(b"?xml")):
         return "it is a web page, and not the file itself; fetch that"
     if suffix != ".stl" and WIDE_TEXT.match(first):
         return "it is text in UTF-16; save it as UTF-8"

@@ -11,6 +11,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import BACKENDS, CHOICES, InputError
 from ..core.corners import check_threshold
+from ..core.face_centers import DOMAINS
 from ..core.job import Settings, check_descriptors
 
 RadiusUnit = Literal["diagonal", "absolute", "mean-edge"]
@@ -18,6 +19,7 @@ Normals = Literal["fitted", "max", "mesh"]
 Creases = Literal["auto", "marked", "none"]
 Estimator = Literal["shape-operator", "integral", "extrapolated"]
 Distance = Literal["euclidean", "geodesic"]
+Domain = Literal["vertices", "faces"]
 Backend = Literal["auto", "gpu", "cpu", "software", "reference"]
 
 DEFAULTS = {field.name: field.default for field in fields(bridge.Options)}
@@ -47,7 +49,7 @@ class MoreOptions(TypedDict, total=False):
 
 def settings_of(descriptors: object, radius: object, given: Mapping[str, object]) -> Settings:
     """The settings of a computation; given are options and machine settings by name."""
-    known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold"]
+    known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold", "domain"]
     for name in given:
         if name not in known or name in ("radius", "seam_error"):
             names = ", ".join(sorted(set(known) - {"radius", "seam_error"}))
@@ -64,6 +66,7 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
         bridge.Options(**options, radius=radii[0]),
         choice_of("backend", given.get("backend", "auto"), BACKENDS),
         more_radii=radii[1:],
+        domain=choice_of("domain", given.get("domain", "vertices"), DOMAINS),
         **machine,
     )
 

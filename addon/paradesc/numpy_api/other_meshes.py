@@ -85,28 +85,30 @@ def vtk_polygons(cells: object) -> Polygons:
     return Polygons(corners, np.concatenate([[0], np.cumsum(array[heads])]).astype(np.int64))
 
 
-def write_to(mesh: object, values: Mapping[str, np.ndarray]) -> None:
-    """Gives (n,) and (n, 3) arrays to a mesh with n vertices, where its package keeps values at vertices."""
+def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> None:
+    """Gives (n,) and (n, 3) arrays to a mesh with n vertices or faces, where its package keeps values at those."""
     kind = kind_of(mesh)
     if kind == "open3d legacy":
         raise InputError(LEGACY)
     if not kind:
         sentence = f"Values cannot be given to a {type(mesh).__name__}"
         raise InputError(f"{sentence}; trimesh, PyVista and Open3D's tensor meshes take them.")
-    count, wanted = len(vertices_and_faces(mesh)[0]), len(next(iter(values.values())))
+    points, faces = vertices_and_faces(mesh)
+    at_faces = domain == "faces"
+    count = len(points) if not at_faces else len(faces.sizes) if isinstance(faces, Polygons) else len(faces)
+    wanted = len(next(iter(values.values())))
     if count != wanted:
-        raise InputError(f"The mesh has {count} vertices, but the result belongs to one with {wanted}.")
+        raise InputError(f"The mesh has {count} {domain}, but the result belongs to one with {wanted}.")
     for name, array in values.items():
         if kind == "trimesh":
-            mesh.vertex_attributes[name] = array
+            (mesh.face_attributes if at_faces else mesh.vertex_attributes)[name] = array
         elif kind in ("polydata", "grid"):
-            mesh.point_data[name] = array
+            (mesh.cell_data if at_faces else mesh.point_data)[name] = array
         else:
-            write_tensor(mesh, name, array)
+            (mesh.triangle if at_faces else mesh.vertex)[name] = tensor_of(mesh, array)
 
 
-def write_tensor(mesh: object, name: str, array: np.ndarray) -> None:
-    """Gives an (n, 1) or (n, 3) tensor to a mesh of Open3D, on its device; so its files keep them."""
+def tensor_of(mesh: object, array: np.ndarray) -> object:
+    """An (n, 1) or (n, 3) tensor for a mesh of Open3D, on its device; so its files keep it."""
     positions = mesh.vertex["positions"]
-    made = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
-    mesh.vertex[name] = made.to(positions.device)
+    return type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1))).to(positions.device)

@@ -15,7 +15,7 @@ AnyMesh = TypeVar("AnyMesh")
 
 
 class Result(Mapping[str, NDArray[np.float32]]):
-    """The values at the vertices that were given, in their order, by the names of descriptors.
+    """The values at the vertices (or the faces) that were given, in their order, by the names of descriptors.
 
     Each is (n,) or, of a direction, (n, 3) float32; NaN where it does not exist. With several radii the names end with
     them: "mean_curvature_r0.01". str(result) shows the least, middle and largest of each.
@@ -24,7 +24,8 @@ class Result(Mapping[str, NDArray[np.float32]]):
     coverage: NDArray[np.float32]  # (n,) float32 share of the neighborhood that was found; 1 where all was
     mask: NDArray[
         np.uint8
-    ]  # (n,) uint8: 1 no face, 2 cut by a boundary, 4 coverage below 0.9, 8 no place in the UV map
+    ]  # (n,) uint8: 1 no face (of faces: no area), 2 cut by a boundary, 4 coverage below 0.9, 8 no place in the UV map
+    domain: str  # "vertices", or "faces" where all arrays are of those
     units: dict[str, str]  # by name: "1/length", "length^3" or "" for none; length is that of the positions
     radii: dict[str, float]  # by name, in units of the positions
     radius: float  # the first of them
@@ -38,7 +39,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
     def __init__(self, results: Results) -> None:
         """Takes the results of a job."""
         self._values = results.values
-        self.coverage, self.mask = results.coverage, results.mask
+        self.coverage, self.mask, self.domain = results.coverage, results.mask, results.settings.domain
         map_name = results.settings.options.map_descriptor
         self.units = {name: legend.unit_of(name, map_name) for name in self}
         self.radii = {name: results.radius_of(name) for name in self}
@@ -63,18 +64,19 @@ class Result(Mapping[str, NDArray[np.float32]]):
 
     def __repr__(self) -> str:
         count = len(self.coverage)
-        lines = [f"{count:,} vertices, radius {self.radius:.4g}, {self.backend} ({self.device})"]
+        lines = [f"{count:,} {self.domain}, radius {self.radius:.4g}, {self.backend} ({self.device})"]
         lines += [self._line(name) for name in self]
         lines += [f"warning: {sentence}" for sentence in self.warnings]
         return "\n".join(lines)
 
     def to(self, mesh: AnyMesh) -> AnyMesh:
-        """Gives all values, and the coverage, to a mesh of trimesh, PyVista or Open3D with these vertices.
+        """Gives all values, and the coverage, to a mesh of trimesh, PyVista or Open3D with these vertices or faces.
 
         trimesh keeps them in vertex_attributes, PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1)
-        and (n, 3). Returns the mesh. InputError: it has another number of vertices, or no place for values.
+        and (n, 3); those of faces in face_attributes, cell_data and triangle. Returns the mesh. InputError: it has
+        another number of vertices or faces, or no place for values.
         """
-        write_to(mesh, {**self._values, "coverage": self.coverage})
+        write_to(mesh, {**self._values, "coverage": self.coverage}, self.domain)
         return mesh
 
     def _line(self, name: str) -> str:

@@ -1,0 +1,188 @@
+"""Reads VTK's legacy format, .vtk, text or binary, into polygons of the file's own points. Never imports bpy.
+
+Strips become triangles; loose points, lines and what follows the cells, values of points and of cells, are left out.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..bridge import origin
+from ..core.polygons import PolygonMesh, vertices_at
+from .strips import triangles_of_strips
+from .text_rows import numbers_in, plain, shown
+
+BEGIN = re.compile(
+    rb"#\s*vtk\s+DataFile\s+Version\s+\d+(?:\.\d+)?[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)[ \t]*\r?\n", re.IGNORECASE
+)
+KINDS = {
+    b"bit": "u1", b"unsigned_char": "u1", b"char": "i1", b"unsigned_short": "u2", b"short": "i2", b"unsigned_int": "u4",
+    b"int": "i4", b"unsigned_long": "u8", b"long": "i8", b"vtktypeint64": "i8", b"vtkidtype": "i4", b"float": "f4",
+    b"double": "f8",
+}  # fmt: skip
+FACES, STRIPS = b"POLYGONS", b"TRIANGLE_STRIPS"
+CELLS = (FACES, STRIPS, b"VERTICES", b"LINES")
+VALUES = (b"POINT_DATA", b"CELL_DATA")
+# In text, numbers end where a line begins with another word than those for what is no number.
+WORD = re.compile(rb"^[ \t]*(?!nan\b|inf\b|infinity\b)[A-Za-z_]", re.MULTILINE | re.IGNORECASE)
+Cells = tuple[np.ndarray, np.ndarray]  # (c,) vertices of all cells one after the other, and (m,) how many each has
+
+
+@dataclass
+class Content:
+    """A file that is read from its beginning to its end."""
+
+    body: bytes
+    at: int
+    is_text: bool
+
+    def words(self) -> list[bytes]:
+        """The words of the next line that has any; none at the end."""
+        while self.at < len(self.body):
+            end = self.body.find(b"\n", self.at)
+            end = len(self.body) if end < 0 else end
+            line, self.at = self.body[self.at : end], end + 1
+            if line.strip():
+                return line.split()
+        return []
+
+    def numbers(self, kind: bytes, count: int) -> np.ndarray:
+        """(count,) numbers of one of VTK's types, which follow."""
+        if kind.lower() not in KINDS:
+            raise ValueError(f'it has numbers of the type "{shown(kind)}", which this reader does not know')
+        number = np.dtype(">" + KINDS[kind.lower()])
+        if self.is_text:
+            found = WORD.search(self.body, self.at)
+            text = self.body[self.at : found.start() if found else len(self.body)]
+            self.at += len(text)
+            values = numbers_in(text, np.float64 if number.kind == "f" else np.int64)
+            if values is None or len(values) != count:
+                raise ValueError(f"it promises {count:,} numbers where it has others; it was cut off, or damaged")
+            return values
+        size = -(-count // 8) if kind.lower() == b"bit" else count * number.itemsize
+        if self.at + size > len(self.body):
+            raise ValueError(f"it promises {count:,} numbers and ends before them; it was cut off")
+        self.at += size
+        return np.frombuffer(self.body, number, size // number.itemsize, self.at - size)
+
+
+def read(path: Path) -> PolygonMesh | None:
+    """The polygons, None without any; raises ValueError if the file is damaged or holds something else."""
+    content = path.read_bytes()
+    begin = BEGIN.match(content)
+    if begin is None:
+        raise ValueError("it does not begin as a file of VTK's legacy format")
+    is_text = begin[1].upper() == b"ASCII"
+    file = Content(plain(content), 0, True) if is_text else Content(content, begin.end(), False)
+    if is_text:
+        file.at = BEGIN.match(file.body).end()
+    points, cells = parts(file)
+    faces = [cells[FACES]] if FACES in cells else []
+    faces += [triangles_of(cells[STRIPS])] if STRIPS in cells else []
+    if points is None or not faces:
+        return None
+    corners, sizes = (np.concatenate(part) for part in zip(*faces, strict=True))
+    return PolygonMesh(origin.stored(points), vertices_at(corners, len(points)).astype(np.int32), sizes)
+
+
+def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Cells]]:
+    """(n, 3) float64 points, and the cells by their keyword, as far as the values of either."""
+    points, cells = None, {}
+    while words := file.words():
+        keyword = words[0].upper()
+        if keyword in VALUES:
+            break
+        try:
+            if keyword == b"DATASET":
+                check_kind(words[1])
+            elif keyword == b"METADATA":
+                pass_metadata(file)
+            elif keyword == b"FIELD":
+                pass_field(file, count_of(words[2]))
+            elif keyword == b"POINTS":
+                points = file.numbers(words[2], 3 * count_of(words[1])).astype(np.float64).reshape(-1, 3)
+            elif keyword in CELLS:
+                cells[keyword] = cells_of(file, count_of(words[1]), count_of(words[2]))
+            else:
+                raise ValueError(f'it has "{shown(b" ".join(words))}" where points or polygons should begin')
+        except IndexError:
+            raise ValueError(f'its line "{shown(b" ".join(words))}" is not complete') from None
+    return points, cells
+
+
+def check_kind(kind: bytes) -> None:
+    """Refuses grids, of which only VTK itself knows the surface."""
+    if kind.upper() != b"POLYDATA":
+        sentence = f"it holds a {shown(kind).upper()}, and no surface (POLYDATA)"
+        raise ValueError(f"{sentence}; extract its surface and save that")
+
+
+def count_of(word: bytes) -> int:
+    """A number of points, cells or numbers."""
+    if not word.isdigit() or len(word) > 12:
+        raise ValueError(f'it has "{shown(word)}" where a number of points or polygons should be')
+    return int(word)
+
+
+def pass_metadata(file: Content) -> None:
+    """Leaves out what VTK adds about an array, up to an empty line."""
+    ends = [end + 2 for mark in (b"\n\n", b"\n\r") if (end := file.body.find(mark, file.at - 1)) >= 0]
+    file.at = min(ends, default=len(file.body))
+
+
+def pass_field(file: Content, arrays: int) -> None:
+    """Leaves out arrays of values that belong to the whole file."""
+    for _ in range(arrays):
+        words = file.words()
+        if words and words[0].upper() == b"METADATA":
+            pass_metadata(file)
+            words = file.words()
+        if not words:
+            raise ValueError("it ends within a field")
+        file.numbers(words[3], count_of(words[1]) * count_of(words[2]))
+
+
+def cells_of(file: Content, one: int, other: int) -> Cells:
+    """The cells in either way of VTK: the size before each, or, since version 5, a table of where each begins."""
+    before = file.at
+    words = file.words()
+    if words and words[0].upper() == b"OFFSETS":
+        starts = file.numbers(words[1], one).astype(np.int64)
+        words = file.words()
+        if not words or words[0].upper() != b"CONNECTIVITY":
+            raise ValueError("its polygons have no CONNECTIVITY")
+        return file.numbers(words[1], other), sizes_between(starts, other)
+    file.at = before
+    return apart(file.numbers(b"int", other).astype(np.int64), one)
+
+
+def sizes_between(starts: np.ndarray, total: int) -> np.ndarray:
+    """(m,) sizes of the cells that begin at (m + 1,) places, the last of which is the end of all."""
+    sizes = np.diff(starts)
+    if len(starts) and (starts[0] != 0 or starts[-1] != total or (sizes < 0).any()):
+        raise ValueError("its polygons do not follow each other; it is damaged")
+    return sizes
+
+
+def apart(table: np.ndarray, count: int) -> Cells:
+    """The cells of a list in which the size of each stands before it."""
+    size = int(table[0]) if len(table) else 0
+    if count and len(table) == count * (size + 1) and (table[:: size + 1] == size).all():
+        return table.reshape(count, size + 1)[:, 1:].reshape(-1), np.full(count, size, np.int64)
+    heads, at, listed = [], 0, table.tolist()
+    while at < len(listed) and listed[at] >= 0 and len(heads) < count:
+        heads.append(at)
+        at += listed[at] + 1
+    if at != len(listed) or len(heads) != count:
+        raise ValueError(f"it promises {count:,} polygons and has another number; it was cut off, or damaged")
+    return np.delete(table, heads), table[heads]
+
+
+def triangles_of(strips: Cells) -> Cells:
+    """The triangles of strips."""
+    vertices, sizes = strips
+    whole = [triangles_of_strips(part) for part in np.split(vertices, np.cumsum(sizes)[:-1])]
+    triangles = np.concatenate([np.empty((0, 3), np.int64), *whole])
+    return triangles.reshape(-1), np.full(len(triangles), 3, np.int64)
