@@ -54,14 +54,13 @@ class Error:
 
 
 def standard_error(result, name):
-    """(n,) the standard error beside a curvature; None if this build has none."""
-    return result.get(f"{name}_standard_error")
+    """(n,) the standard error of the mean curvature; None beside another."""
+    return result.get("standard_error") if name == H else None
 
 
 def asked():
-    """The names of the curvatures, and of their standard errors if this build has them."""
-    known = {row.name for row in paradesc.descriptors()}
-    return [*rough.CURVATURES, *known.intersection(f"{name}_standard_error" for name in rough.CURVATURES)]
+    """The names of the curvatures, and of the standard error of the first."""
+    return [*rough.CURVATURES, "standard_error"]
 
 
 def has_auto():
