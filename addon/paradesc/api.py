@@ -114,7 +114,7 @@ def profile(
     """Mean curvatures over radii, how much noise and the radius change them, and at which radius that is least.
 
     vertices, faces: as compute() takes them. descriptor: "mean_curvature", the one whose standard error is known.
-    radii: two or more, in radius_unit; None: from two mean edges to 16 % of the diagonal, in steps of about √2.
+    radii: two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
     at: vertices, (j,) from 0, which the arrays are of; None: all. more: other options of compute().
 
     Returns a Profile: radii (k,), values, standard_error and bias (k, n), best (n,) and radius, see there and the

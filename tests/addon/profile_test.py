@@ -1,10 +1,12 @@
 """paradesc.profile() and radius "auto": where noise of a mesh and what a radius blurs balance."""
 
+import json
+
 import numpy as np
 import pytest
 
 import paradesc
-from paradesc import InputError
+from paradesc import InputError, cli
 from paradesc.core import balance
 from python_api_test import torus
 
@@ -55,17 +57,17 @@ def test_standard_error_and_bias_are_those_that_there_are(rough, profile):
     assert np.abs(clean.bias[-2]).mean() == pytest.approx(np.abs(blurred).mean(), rel=0.25)  # b r² is its first term
 
 
-def test_more_noise_makes_a_larger_radius_and_none_the_smallest(rough, profile):
+def test_more_noise_makes_a_larger_radius_and_none_a_small_one(rough, profile):
     points, quads, _ = rough
     smooth = torus(96, 40)[0]
-    assert paradesc.profile(smooth, quads).radius == pytest.approx(profile.radii[0], rel=0.05)
+    assert paradesc.profile(smooth, quads).radius < profile.radius / 2
     assert paradesc.profile(smooth + 3 * (points - smooth), quads).radius > profile.radius
 
 
 def test_lengths_follow_the_unit_of_the_vertices(rough, profile):
     large = paradesc.profile(1024 * rough[0], rough[1])
     assert large.radius == pytest.approx(1024 * profile.radius)
-    assert np.allclose(large.best, 1024 * profile.best)  # of a power of 2, floats have the same digits
+    assert np.isclose(large.best, 1024 * profile.best).mean() > 0.99  # rounding decides between radii that are as good
 
 
 def test_vertices_may_be_asked_for(rough, profile):
@@ -125,3 +127,14 @@ def test_noise_that_falls_slowly_is_told_from_what_the_radius_blurs():
         found = balance.explained(r, slopes, errors, first, second)
         wrong = found[1] * errors * (r / r[0]) ** found[0] + found[2] * r**4
         assert np.allclose(wrong, true + bias * r**4, rtol=0.2), (power, factor, bias)
+
+
+def test_the_command_line_takes_auto(rough, profile, tmp_path):
+    points, quads, _ = rough
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + ["f {} {} {} {}".format(*(quad + 1)) for quad in quads]
+    (tmp_path / "rough.obj").write_text("\n".join(lines))
+    report = tmp_path / "report.json"
+    words = ["bake", str(tmp_path / "rough.obj"), "--reader", "files", "--radius", "auto", "--progress", "off"]
+    assert cli.main([*words, "--output", str(tmp_path / "out.npz"), "--json", str(report)]) == 0
+    found = json.loads(report.read_text())["objects"][0]
+    assert found["field_report"]["radius"] == pytest.approx(profile.radius, rel=0.005)

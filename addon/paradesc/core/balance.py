@@ -19,7 +19,7 @@ from . import advice, fitting
 # The word for a radius that is found so; that of settings, too (job.Settings.radius_fit).
 AUTO = "auto"
 MEAN, ERROR = "mean_curvature", "standard_error"
-# The radii that are looked at, as shares of the diagonal; RADIUS_IN_EDGES bounds them, too.
+# The radii that are looked at, as shares of the diagonal. None is below the mean edge, where values show facets.
 LEAST, LARGEST = 0.005, 0.16
 # A radius is compared with the first that is larger by this: near ones see the same noise.
 APART = 1.8
@@ -58,10 +58,10 @@ class Profile:
 
 
 def usual_radii(arrays: MeshArrays) -> list[float]:
-    """Lengths from two mean edges on to 16 % of the diagonal, in steps of about the root of 2."""
+    """Lengths from the mean edge on to 16 % of the diagonal, in steps of about the root of 2."""
     edge, diagonal = advice.edge_and_diagonal(arrays)
     largest = LARGEST * diagonal
-    least = min(max(advice.RADIUS_IN_EDGES * edge, LEAST * diagonal), largest / 2)
+    least = min(max(edge, LEAST * diagonal), largest / 2)
     return np.geomspace(least, largest, 1 + round(2 * np.log2(largest / least))).tolist()
 
 
@@ -138,7 +138,7 @@ def explained(
     if len(slopes) < ENOUGH_CHANGES:
         return 0.0, 1.0, float(np.maximum(slopes - by_noise, 0).mean())
     best = (np.inf, 0.0, 0.0, 0.0)
-    even = 1 / slopes
+    even = slopes.min() / slopes  # whatever the unit of length is
     for power in POWERS:
         noisy = by_noise * (r[first] / r[0]) ** power / slopes
         both = np.linalg.lstsq(np.stack([noisy, even], axis=1), np.ones(len(even)), rcond=None)[0][0]
@@ -148,7 +148,7 @@ def explained(
                 left = ((factor * noisy + bias * even - 1) ** 2).sum()
                 cost = left + COST_OF_POWER * power + COST_OF_BIAS * (bias > 0)
                 best = min(best, (float(cost), float(power), float(factor), bias))
-    return best[1:]
+    return best[1], best[2], best[3] * float(slopes.min())
 
 
 def averaged(values: Array, known: NDArray[np.bool_], triangles: NDArray[np.integer]) -> Array:
