@@ -24,10 +24,14 @@ LEAST, LARGEST = 0.005, 0.16
 # A radius is compared with the first that is larger by this: near ones see the same noise.
 APART = 1.8
 # Bounds of what the model lets noise be: so many times the variance of independent vertices, times r to these powers.
-MOST_NOISE, POWERS = 16.0, np.arange(0, 2.25, 0.25)
+MOST_NOISE, POWERS = 9.0, np.arange(0, 2.25, 0.25)
 # What a term costs that the changes are not better explained by, as the square of their relative error.
 COST_OF_POWER, COST_OF_BIAS = 0.01, 0.02
 ENOUGH_CHANGES = 3
+# Only radii from so many mean edges on tell how noise falls: below, it is that of single normals.
+TELLING = APART
+# The radius of least error takes the squared bias times this: changes of what bends within a radius are less than r² has it.
+CAUTION = 2.0
 # Rounds of averages over the neighbors of vertices that smooth their own bias; noise and bias count half by the mesh's.
 ROUNDS = 8
 
@@ -78,7 +82,8 @@ def profile(
     """The profile at lengths that rise, of which the settings say all else; compute() gives the results of others."""
     results = compute(sweep(settings, radii))
     rows = np.stack(list(results.values.values())).astype(np.float64)  # both of each radius, one after the other
-    return profile_of(radii, rows[::2], rows[1::2], arrays.triangle_vertices)
+    telling = TELLING * advice.edge_and_diagonal(arrays)[0]
+    return profile_of(radii, rows[::2], rows[1::2], arrays.triangle_vertices, telling)
 
 
 def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
@@ -89,8 +94,13 @@ def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
     return replace(settings, descriptors=(MEAN, ERROR), options=options, more_radii=more, radius_fit="typed")
 
 
-def profile_of(radii: Sequence[float], values: Array, errors: Array, triangles: NDArray[np.integer]) -> Profile:
-    """The profile of (k, n) mean curvatures and standard errors at k lengths that rise; triangles are (m, 3)."""
+def profile_of(
+    radii: Sequence[float], values: Array, errors: Array, triangles: NDArray[np.integer], telling: float = 0.0
+) -> Profile:
+    """The profile of (k, n) mean curvatures and standard errors at k lengths that rise.
+
+    triangles: (m, 3) vertices. telling: the model is fitted to radii from this on, if they are enough.
+    """
     r = np.asarray(radii, float)
     known = np.isfinite(values).all(axis=0) & np.isfinite(errors).all(axis=0)
     if not known.any():
@@ -98,13 +108,13 @@ def profile_of(radii: Sequence[float], values: Array, errors: Array, triangles: 
             'Noise is not known here, so no radius balances it: that takes normals "fitted", the backend "cpu" or '
             '"reference", and no image that displaces; or give the radius as a number.'
         )
-    first, second = changes_between(r)
+    first, second = changes_between(r, telling)
     share = 1 / (r[second] ** 2 - r[first] ** 2)
     slopes = (values[second] - values[first]) * share[:, None]  # b, and noise
     squares = errors**2
     mean = squares[:, known].mean(axis=1)
     power, noise, bias = explained(r, (slopes[:, known] ** 2).mean(axis=1), mean, first, second)
-    growth = noise * (r / r[0]) ** power
+    growth = noise * (r / r[first[0]]) ** power
     squares, mean = squares * growth[:, None], mean * growth
 
     variances = (squares[first] + squares[second]) * share[:, None] ** 2
@@ -113,16 +123,21 @@ def profile_of(radii: Sequence[float], values: Array, errors: Array, triangles: 
     slope = (weights * slopes).sum(axis=0)
     own = slope**2 - (weights**2 * variances).sum(axis=0)  # less what noise puts into it, on average
     own = np.maximum(averaged(np.where(known, own, 0.0), known, triangles), 0) if bias else np.zeros(len(own))
-    expected = (squares + mean[:, None]) / 2 + (own + bias) / 2 * r[:, None] ** 4
+    expected = (squares + mean[:, None]) / 2 + CAUTION * (own + bias) / 2 * r[:, None] ** 4
     best = np.where(known, r[np.where(known, expected, 0.0).argmin(axis=0)], np.nan)
-    radius = r[(mean + bias * r**4).argmin()]
+    radius = r[(mean + CAUTION * bias * r**4).argmin()]
     return Profile(r, values, np.sqrt(squares), slope * r[:, None] ** 2, best, float(radius))
 
 
-def changes_between(r: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The radii that are compared: each with the first that is far enough above; the ends if none is."""
+def changes_between(r: Array, telling: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The radii that are compared: each with the first that is far enough above; the ends if none is.
+
+    Only radii from telling on are, if those are enough.
+    """
     second = np.searchsorted(r, APART * r)
     first = np.flatnonzero(second < len(r))
+    later = first[r[first] >= telling]
+    first = later if len(later) >= ENOUGH_CHANGES else first
     return (first, second[first]) if len(first) else (np.array([0]), np.array([len(r) - 1]))
 
 
@@ -140,7 +155,7 @@ def explained(
     best = (np.inf, 0.0, 0.0, 0.0)
     even = slopes.min() / slopes  # whatever the unit of length is
     for power in POWERS:
-        noisy = by_noise * (r[first] / r[0]) ** power / slopes
+        noisy = by_noise * (r[first] / r[first[0]]) ** power / slopes
         both = np.linalg.lstsq(np.stack([noisy, even], axis=1), np.ones(len(even)), rcond=None)[0][0]
         alone = noisy.sum() / max(float(noisy @ noisy), np.finfo(float).tiny)
         for factor in np.clip([0.0, alone, both], 0, MOST_NOISE):
