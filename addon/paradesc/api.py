@@ -68,7 +68,7 @@ def compute(
     descriptors: a name or several, of those that paradesc.descriptors() lists.
     radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
         "diagonal" (of the bounding box, times it), "absolute" (the vertices' unit) or "mean-edge" (times it). "auto" is
-        the radius at which noise and what it blurs balance, by profile(); result.radius says which that is.
+        that of profile(), at which noise and bias balance.
     samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
     uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
@@ -77,8 +77,7 @@ def compute(
     map_descriptor: on which the operators work (gradient_magnitude, laplacian, harris and so on).
     backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
-    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel.
-    more: what is needed less often, see numpy_api.options.MoreOptions and the manual's reference.
+    progress: called as progress(stage, fraction); returns False to cancel. more: see options.MoreOptions.
 
     Values are float32, (n,) or (n, 3); NaN at vertices without a face and wherever a descriptor does not exist. The
     arrays given are not changed. May be called from several threads at once. Ctrl-C ends it within a tenth of a second.

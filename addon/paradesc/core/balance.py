@@ -1,7 +1,7 @@
 """Finds the radius at which noise and what a radius blurs balance, from mean curvatures at several. Never imports bpy.
 
-The model: H(r) = H0 + b r² + noise. What a ball blurs goes with r² (Pottmann, Wallner, Huang and Yang 2009, "Integral
-invariants for robust geometry processing"), and the descriptor standard_error says how noise falls with r if that of
+The model: H(r) = H0 + b r² + noise. A ball blurs with r² (Pottmann, Wallner, Huang and Yang 2009, "Integral invariants
+for robust geometry processing"), and the descriptor standard_error says how noise falls with r if that of
 vertices is independent. The change of H from r to about 2 r holds both: its mean square over the mesh says how large
 they are. Steps of voxels belong together over several edges, so noise may fall more slowly, by a power of r.
 """
@@ -25,7 +25,7 @@ LEAST, LARGEST = 0.005, 0.16
 APART = 1.8
 # Bounds of what the model lets noise be: so many times the variance of independent vertices, times r to these powers.
 MOST_NOISE, POWERS = 9.0, np.arange(0, 2.25, 0.25)
-# What a term costs that the changes are not better explained by, as the square of their relative error.
+# A term has to explain the changes better by this, in squares of their relative errors.
 COST_OF_POWER, COST_OF_BIAS = 0.01, 0.02
 ENOUGH_CHANGES = 3
 # Only radii from so many mean edges on tell how noise falls: below, it is that of single normals.
@@ -51,7 +51,7 @@ class Profile:
     radii: Array  # (k,), from the smallest
     values: Array  # (k, n) mean curvatures
     standard_error: Array  # (k, n) by noise; that of independent vertices, times what the mesh shows of it
-    bias: Array  # (k, n) by what the radius blurs, b r²: values less bias and noise are H0. Noisy itself
+    bias: Array  # (k, n) by what the radius blurs, b r²: values less bias and noise are H0. Noisy itself; 0 if none shows
     best: Array  # (n,) the radius of each vertex at which the expected error, both together, is least
     radius: float  # that of the whole mesh
 
@@ -105,8 +105,8 @@ def profile_of(
     known = np.isfinite(values).all(axis=0) & np.isfinite(errors).all(axis=0)
     if not known.any():
         raise InputError(
-            'Noise is not known here, so no radius balances it: that takes normals "fitted", the backend "cpu" or '
-            '"reference", and no image that displaces; or give the radius as a number.'
+            "Noise is not known here, so no radius balances it: that takes fitted normals on the processor and no image "
+            "that displaces; give the radius as a number."
         )
     first, second = changes_between(r, telling)
     share = 1 / (r[second] ** 2 - r[first] ** 2)
@@ -126,7 +126,8 @@ def profile_of(
     expected = (squares + mean[:, None]) / 2 + CAUTION * (own + bias) / 2 * r[:, None] ** 4
     best = np.where(known, r[np.where(known, expected, 0.0).argmin(axis=0)], np.nan)
     radius = r[(mean + CAUTION * bias * r**4).argmin()]
-    return Profile(r, values, np.sqrt(squares), slope * r[:, None] ** 2, best, float(radius))
+    blurred = slope * r[:, None] ** 2 if bias else np.where(known, 0.0, np.nan) * r[:, None]
+    return Profile(r, values, np.sqrt(squares), blurred, best, float(radius))
 
 
 def changes_between(r: Array, telling: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
