@@ -11,9 +11,9 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import Descriptor, InputError, Mesh, ParadescError, Result, compute, descriptors
+    from .api import Descriptor, InputError, Mesh, ParadescError, Profile, Result, compute, descriptors, profile
 
-__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Result", "compute", "descriptors"]
+__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Profile", "Result", "compute", "descriptors", "profile"]
 
 # Blender before 4.2 reads this without running the file, so it holds literals only. Later versions read the manifest.
 bl_info = {

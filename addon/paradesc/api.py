@@ -14,13 +14,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors, origin
-from .core import face_centers, job
+from .core import balance, face_centers, job
+from .core.balance import Profile
 from .core.polygons import Polygons, triangle_corners
 from .core.stream import Stream
 from .numpy_api import inputs, options, other_meshes
@@ -29,7 +30,7 @@ from .numpy_api.result import Result
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Result", "compute", "descriptors"]
+__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Profile", "Result", "compute", "descriptors", "profile"]
 
 # (stage, fraction of the whole) -> False to cancel
 Progress = Callable[[str, float], object]
@@ -39,7 +40,7 @@ def compute(
     vertices: "ArrayLike | Any",
     faces: "ArrayLike | Sequence[Sequence[int]] | None" = None,
     descriptors: str | Sequence[str] = ("mean_curvature",),
-    radius: float | Sequence[float] = 0.02,
+    radius: float | Sequence[float] | Literal["auto"] = 0.02,
     *,
     radius_unit: options.RadiusUnit = "diagonal",
     samples: int = 256,
@@ -67,7 +68,8 @@ def compute(
         counterclockwise as seen from outside. Polygons may be concave.
     descriptors: a name or several, of those that paradesc.descriptors() lists.
     radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
-        "diagonal" (of the bounding box, times it), "absolute" (the vertices' unit) or "mean-edge" (times it).
+        "diagonal" (of the bounding box, times it), "absolute" (the vertices' unit) or "mean-edge" (times it). "auto" is
+        that of profile(), at which noise and bias balance.
     samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
     uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
@@ -76,7 +78,7 @@ def compute(
     domain: "faces" measures each at its middle. map_descriptor: what operators (laplacian, harris and so on) work on.
     backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
-    progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel. more: MoreOptions.
+    progress: called as progress(stage, fraction); returns False to cancel. more: see options.MoreOptions.
 
     Values are float32, (n,) or (n, 3); NaN at vertices without a face, at faces without an area, and wherever else a
     descriptor does not exist. Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
@@ -95,6 +97,39 @@ def compute(
         points, polygons = surface_of(vertices, faces)
         arrays = inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
         return Result(face_centers.run_where_asked(arrays, settings, told, polygons.sizes))
+
+
+def profile(
+    vertices: "ArrayLike | Any",
+    faces: "ArrayLike | Sequence[Sequence[int]] | None" = None,
+    descriptor: str = "mean_curvature",
+    radii: Sequence[float] | None = None,
+    at: "ArrayLike | None" = None,
+    *,
+    radius_unit: options.RadiusUnit = "diagonal",
+    sharp_edges: "ArrayLike | None" = None,
+    progress: Progress | None = None,
+    **more: Any,
+) -> Profile:
+    """Mean curvatures over radii, how much noise and the radius change them, and at which radius that is least.
+
+    vertices, faces: as compute() takes them. descriptor: "mean_curvature", the one whose standard error is known.
+    radii: two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
+    at: vertices, (j,) from 0, which the arrays are of; None: all. more: other options of compute().
+
+    Returns a Profile: radii (k,), values, standard_error and bias (k, n), best (n,) and radius, see there and the
+    manual. Errors are those of compute(), and InputError where noise is not known: by normals "mesh" and on devices.
+    """
+    with plain_errors():
+        if descriptor != balance.MEAN:
+            raise InputError(f"descriptor is {options.shown(descriptor)}; only mean_curvature has a standard error.")
+        settings = options.settings_of(descriptor, 0.02, more)
+        points, polygons = surface_of(vertices, faces)
+        arrays = inputs.mesh_arrays(points, polygons, None, None, sharp_edges)
+        lengths = balance.usual_radii(arrays) if radii is None else options.lengths_of(radii, radius_unit, arrays)
+        told = cancelling(progress)
+        found = balance.profile(settings, arrays, lengths, lambda asked: job.run(arrays, asked, told))
+        return found if at is None else found.at(inputs.vertices_of(at, len(points)))
 
 
 class Mesh:
@@ -159,7 +194,7 @@ class Mesh:
     def compute(
         self,
         descriptors: str | Sequence[str] = ("mean_curvature",),
-        radius: float | Sequence[float] = 0.02,
+        radius: float | Sequence[float] | Literal["auto"] = 0.02,
         *,
         radius_unit: options.RadiusUnit = "diagonal",
         samples: int = 256,
@@ -189,7 +224,7 @@ class Mesh:
             check_normals(settings, corner_normals)
             own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)
             positions = self._arrays(stream).positions
-            stream.settings = settings
+            stream.settings = job.fitted(settings, self._arrays(stream))
             return Result(stream.compute(positions, told, own_normals))
 
     def close(self) -> None:

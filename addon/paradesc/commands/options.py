@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge
-from ..core import job, source_kinds
+from ..core import balance, job, source_kinds
 from .common import PROGRESS, UsageError
 from .file_reading import READERS
 from .preset_options import found_preset, with_preset
@@ -60,7 +60,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
         help="take them from a preset: a JSON file, or a name (cavity, edge_wear, ... or your own)")  # fmt: skip
     add("--descriptors", type=or_nothing, metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--radius", type=radii, metavar="R[,R...]",
-        help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
+        help="support radius (default: 0.02), or auto; of several, names end in _r and the radius")  # fmt: skip
     add("--radius-unit", choices=bridge.RADIUS_UNITS,
         help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
     add("--samples", type=int, metavar="N", help="samples around a vertex (default: 256)")
@@ -109,13 +109,15 @@ def or_nothing(text: str) -> str | None:
 
 
 def radii(text: str) -> tuple[float, ...] | None:
-    """Parses numbers between commas; an empty text is not given."""
+    """Parses numbers between commas; an empty text is not given, and "auto" no number."""
     if not text:
         return None
+    if text == balance.AUTO:
+        return (text,)
     try:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}" is no radius; give a number, or several with commas') from None
+        raise argparse.ArgumentTypeError(f'"{text}" is no radius; give a number, several with commas, or auto') from None
 
 
 def gigabytes(text: str) -> int:
@@ -148,12 +150,15 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
     job.check_descriptors(names)
     members = [member.name for member in fields(bridge.Options) if member.name not in ("radius", "seam_error")]
     given = {name: getattr(arguments, name) for name in members if getattr(arguments, name) is not None}
+    fit = "typed" if arguments.radius else base.radius_fit
     radius, *more = arguments.radius or (base.options.radius, *base.more_radii)
+    if radius == balance.AUTO:
+        fit, radius = balance.AUTO, base.options.radius
     return replace(
         base,
         descriptors=names,
         options=replace(base.options, radius=radius, **given),
-        radius_fit="typed" if arguments.radius else base.radius_fit,
+        radius_fit=fit,
         backend=given_or(arguments, "backend", base.backend),
         device_index=given_or(arguments, "device", base.device_index),
         more_radii=tuple(more),

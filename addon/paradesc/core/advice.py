@@ -84,6 +84,17 @@ def fitting_radius(mean_edge: float, diagonal: float) -> float:
     return float(f"{min(max(USUAL_RADIUS, RADIUS_IN_EDGES * mean_edge / diagonal), LARGEST_RADIUS):.3g}")
 
 
+def edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:
+    """The mean edge of a mesh that a radius can be fitted to, by enough of its triangles, and the diagonal."""
+    every = arrays.triangle_vertices
+    if not len(every) or not np.isfinite(arrays.positions[every]).all():
+        raise bridge.InputError("The mesh has no faces to fit the radius to, or a position that is no number.")
+    edge, diagonal = mean_edge_and_diagonal(arrays, every[:: 1 + len(every) // ENOUGH_TRIANGLES])
+    if not diagonal > 0:
+        raise bridge.InputError("The mesh is a single point, so there is no radius that fits it.")
+    return edge, diagonal
+
+
 def fitted_radius(
     arrays: bridge.MeshArrays, descriptors: Collection[str], size: str, largest: float = LARGEST_MASK_RADIUS
 ) -> tuple[float, float, float]:
@@ -91,12 +102,7 @@ def fitted_radius(
 
     Masks alone have small radii; whatever else is asked for gets the usual one, unless triangles are large.
     """
-    every = arrays.triangle_vertices
-    if not len(every) or not np.isfinite(arrays.positions[every]).all():
-        raise bridge.InputError("The mesh has no faces to fit the radius to, or a position that is no number.")
-    edge, diagonal = mean_edge_and_diagonal(arrays, every[:: 1 + len(every) // ENOUGH_TRIANGLES])
-    if not diagonal > 0:
-        raise bridge.InputError("The mesh is a single point, so there is no radius that fits it.")
+    edge, diagonal = edge_and_diagonal(arrays)
     if not descriptors or not set(descriptors) <= MASKS.keys():
         usual = fitting_radius(edge, diagonal) * diagonal
         return SIZES[size] * usual, edge, diagonal

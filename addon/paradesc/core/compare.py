@@ -135,7 +135,7 @@ def compare(
     if device.backend == "reference":
         raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, "There is no device to compare with the reference.")
     reference_settings = replace(
-        settings, backend="reference", device_index=-1, options=replace(settings.options, seam_error=False)
+        device.settings, backend="reference", device_index=-1, options=replace(device.settings.options, seam_error=False)
     )
     reference = job.run(arrays, reference_settings, staged(progress, "reference", 0.5))
     rows = [row(name, device, reference) for name in device.values]

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import advice, color_maps, contexts, fitting, mesh_faults
+from . import advice, balance, color_maps, contexts, fitting, mesh_faults
 from .color_maps import MASKS, Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -22,6 +22,8 @@ NUMBER = re.compile(r"_\d+$")
 
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
+# The same if the radius is looked for before.
+BALANCING = 0.75
 
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
@@ -41,7 +43,7 @@ class Settings:
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
-    radius_fit: str = "typed"  # or a size of advice.SIZES, with which fitting.py finds the radius; then "fitted"
+    radius_fit: str = "typed"  # or a size of advice.SIZES or "auto", with which fitted() finds it; then "fitted"
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
     threads: int = 0  # 0: all cores; neither in as_dict()
     domain: str = "vertices"  # or "faces", at which face_centers.py computes
@@ -270,13 +272,26 @@ def run(
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
     sized = settings.radius_fit
-    settings = fitting.fitted(settings, arrays)
+    share = BALANCING if sized == balance.AUTO else 0.0
+    settings, progress = fitted(settings, arrays, span_of(progress, 0.0, share)), span_of(progress, share, 1.0)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
 
         def compute(chosen: Settings) -> Results:
             return run_on(context, mesh, arrays, chosen, progress, with_buffers)
 
         return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
+
+
+def fitted(
+    settings: Settings,
+    arrays: bridge.MeshArrays,
+    progress: ProgressFunction | None = None,
+    largest: float = advice.LARGEST_MASK_RADIUS,
+) -> Settings:
+    """The settings with the radius that they ask for: by fitting.fitted(), or where noise and bias balance."""
+    if settings.radius_fit != balance.AUTO:
+        return fitting.fitted(settings, arrays, largest)
+    return balance.balanced(settings, arrays, lambda asked: run(arrays, asked, progress))
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:

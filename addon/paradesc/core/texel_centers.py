@@ -54,7 +54,7 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
 def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunction | None = None) -> job.Settings:
     """The settings with a radius that suits the surface in an image, if they ask for one, by a small image of it."""
     narrow = settings.radius_fit in fitting.NARROWED and color_maps.EDGES & set(settings.descriptors)
-    settings = fitting.fitted(settings, arrays, advice.LARGEST_IN_IMAGES)
+    settings = job.fitted(settings, arrays, progress, advice.LARGEST_IN_IMAGES)
     if not narrow or job.backend_for(settings) == "reference":
         return settings
     with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:

@@ -221,7 +221,7 @@ def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> jo
 
 def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings) -> job.Settings:
     """The same with the radii that a bake of these arrays has, which may fit them to the mesh."""
-    found = at_fixed_radii(fitting.fitted(settings, arrays), stream.mesh_at(arrays).report())
+    found = at_fixed_radii(job.fitted(settings, arrays), stream.mesh_at(arrays).report())
     if settings.radius_fit not in fitting.NARROWED or not color_maps.EDGES & set(settings.descriptors):
         return found
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from ..core import fitting, job, texel_centers, texel_tiles, transfer, udim
+from ..core import job, texel_centers, texel_tiles, transfer, udim
 from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look, most_telling
 from ..core.threads import go_on
@@ -191,7 +191,7 @@ def computed_onto(
 ) -> Computed:
     """Computes what the textures of detailed surfaces over the UV map of a coarse one are drawn from."""
     tiling = udim.of_mesh(low.arrays)
-    runs = choice.runs(settings, partial(fitting.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
+    runs = choice.runs(settings, partial(job.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
     found = [
         transfer.run(low, highs, one, choice.size, cage, job.part_of(progress, number, len(runs)), tiling.tiles)
         for number, one in enumerate(runs)

@@ -86,6 +86,12 @@ def rows_of(faces: object) -> tuple[np.ndarray, np.ndarray]:
     return array.reshape(-1), np.full(len(array), array.shape[1])
 
 
+def vertices_of(given: object, vertex_count: int) -> np.ndarray:
+    """(n,) vertices that are asked for, counted from 0."""
+    array = np.atleast_1d(whole(given, "at", "vertices counted from 0 are needed", 1))
+    return indices(array, vertex_count, lambda place: f"Entry {place} of at")
+
+
 def edges_of(edges: object, vertex_count: int) -> np.ndarray | None:
     """(k, 2) int32 pairs of vertices; None if there are none."""
     wanted = "(k, 2) pairs of vertices are needed"

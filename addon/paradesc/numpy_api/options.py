@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import BACKENDS, CHOICES, InputError
+from ..core import advice, balance
 from ..core.corners import check_threshold
 from ..core.face_centers import DOMAINS
 from ..core.job import Settings, check_descriptors
@@ -67,6 +68,7 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
         choice_of("backend", given.get("backend", "auto"), BACKENDS),
         more_radii=radii[1:],
         domain=choice_of("domain", given.get("domain", "vertices"), DOMAINS),
+        radius_fit=balance.AUTO if isinstance(radius, str) else "typed",
         **machine,
     )
 
@@ -89,7 +91,9 @@ def descriptors_of(given: object) -> tuple[str, ...]:
 
 
 def radii_of(given: object) -> tuple[float, ...]:
-    """One radius or several."""
+    """One radius or several; the usual one stands for "auto", which settings_of() notes."""
+    if isinstance(given, str) and given == balance.AUTO:
+        return (DEFAULTS["radius"],)
     if isinstance(given, np.ndarray) and given.ndim == 1:
         given = given.tolist()
     several = tuple(given) if isinstance(given, (list, tuple)) else (given,)
@@ -100,6 +104,17 @@ def radii_of(given: object) -> tuple[float, ...]:
         if value <= 0:
             raise InputError(f"radius is {value:g}; it has to be above 0.")
     return radii
+
+
+def lengths_of(given: object, unit: object, arrays: bridge.MeshArrays) -> list[float]:
+    """Two radii or more of a profile as lengths that rise."""
+    radii = radii_of(given)
+    if len(set(radii)) < 2 or len(set(radii)) < len(radii):
+        raise InputError(f"radii is {shown(given)}; give two or more, each once.")
+    edge, diagonal = advice.edge_and_diagonal(arrays)
+    choice_of("radius_unit", unit, CHOICES["radius_unit"][0])
+    length = {"diagonal": diagonal, "mean-edge": edge}.get(unit, 1.0)
+    return [length * radius for radius in sorted(radii)]
 
 
 def option_of(name: str, value: object) -> object:
