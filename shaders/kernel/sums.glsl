@@ -300,6 +300,8 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
   if (fit.exists && least_squares(xx, xy, neighborhood.shape)) {
     neighborhood.shape /= params.radius;
     find_directions(fit.shape / params.radius, fit.t1, fit.t2, neighborhood);
+    neighborhood.direction_max = turn_to(sums.center.normal, fit.normal, neighborhood.direction_max);
+    neighborhood.direction_min = turn_to(sums.center.normal, fit.normal, neighborhood.direction_min);
     neighborhood.standard_error = standard_error_of(m);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;

@@ -196,8 +196,8 @@ void fit_shape_operator(const Moments &moments, const Center &center, ReferenceN
   neighborhood.mean = mean;
   neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
   const double to_max = 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from e1 to the direction of k1
-  neighborhood.direction_max = std::cos(to_max) * e1 + std::sin(to_max) * e2;
-  neighborhood.direction_min = glm::cross(up, neighborhood.direction_max);
+  neighborhood.direction_max = turn_to(center.normal, up, std::cos(to_max) * e1 + std::sin(to_max) * e2);
+  neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
 }
 
 // Paper eq. (8).
