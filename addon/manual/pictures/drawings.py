@@ -33,12 +33,12 @@ def draw_descriptors(folder: str) -> None:
         png.write_png(Path(folder) / f"{row.name}.png", subjects.trimmed(image))
 
 
-def noisy(made: bpy.types.Object) -> bpy.types.Object:
-    """The object, its vertices moved at random by up to a tenth of a mean edge, from nothing at its left to that at its right."""
+def noisy(made: bpy.types.Object, everywhere: bool = False) -> bpy.types.Object:
+    """The object, its vertices moved at random by a tenth of a mean edge, or by nothing at its left and more to its right."""
     positions = np.array([vertex.co for vertex in made.data.vertices])
     ends = positions[np.array([edge.vertices[:] for edge in made.data.edges])]
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()
-    across = (positions[:, 0] - positions[:, 0].min()) / np.ptp(positions[:, 0])
+    across = np.ones(len(positions)) if everywhere else (positions[:, 0] - positions[:, 0].min()) / np.ptp(positions[:, 0])
     moves = 0.1 * length * across[:, None] * np.random.default_rng(0).normal(size=positions.shape)
     made.data.vertices.foreach_set("co", (positions + moves).ravel())
     return made
@@ -88,4 +88,26 @@ def draw_maps(path: str) -> None:
     png.write_png(Path(path), image)
 
 
-KINDS = {"descriptors": draw_descriptors, "maps": draw_maps}
+def draw_scans(path: str) -> None:
+    """A sphere of voxels and a noisy monkey, colored by mean curvature at three radii."""
+    rows = []
+    for make, limit in ((sphere_of_voxels, 2.0), (lambda: noisy(subjects.monkey(), everywhere=True), 4.0)):
+        words = ["--descriptors", "mean_curvature", f"--range={-limit:g}:{limit:g}"]
+        shots = [subjects.drawn(make(), *words, "--radius", radius) for radius in ("0.02", "0.06", "0.12")]
+        rows.append(np.concatenate(shots, axis=1))
+    png.write_png(Path(path), np.concatenate(rows, axis=0))
+
+
+def sphere_of_voxels() -> bpy.types.Object:
+    """The border of the voxels whose middles lie in a ball: steps, as a segmentation has them."""
+    subjects.empty()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=1.0)
+    made = bpy.context.active_object
+    steps = made.modifiers.new("voxels", "REMESH")
+    steps.mode, steps.octree_depth, steps.scale = "BLOCKS", 5, 0.9
+    bpy.ops.object.modifier_apply(modifier="voxels")
+    made.name = "Voxels"
+    return made
+
+
+KINDS = {"descriptors": draw_descriptors, "maps": draw_maps, "scans": draw_scans}

@@ -8,7 +8,7 @@ folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$(mkdir -p "${1:-$folder}/descriptors" && cd "${1:-$folder}" && pwd)
 python=$folder/../../../.venv/bin/python
 [ $# -eq 0 ] || shift
-declare -A places=([maps]=color_maps.png [descriptors]=descriptors [live]=live.gif)
+declare -A places=([maps]=color_maps.png [scans]=scans.png [descriptors]=descriptors [live]=live.gif)
 
 # in_window WIDTH HEIGHT KIND OPTION...
 in_window() {
@@ -19,7 +19,7 @@ in_window() {
 }
 
 kinds=("$@")
-[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel sculpting maps descriptors creases hero masks radii looks low_poly onto textures export presets trouble live beside)
+[ ${#kinds[@]} -gt 0 ] || kinds=(legend panel sculpting maps descriptors creases hero masks radii looks low_poly onto scans textures export presets trouble live beside)
 for kind in "${kinds[@]}"; do
   case $kind in
     legend) in_window 720 520 legend ;;
