@@ -4,7 +4,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import studio
 import subjects
+from PIL import Image
 
 from paradesc.bridge import descriptors as registry
 from paradesc.core import color_maps
@@ -95,7 +97,7 @@ def draw_scans(path: str) -> None:
         words = ["--descriptors", "mean_curvature", f"--range={-limit:g}:{limit:g}"]
         shots = [subjects.drawn(make(), *words, "--radius", radius) for radius in ("0.02", "0.06", "0.12")]
         rows.append(np.concatenate(shots, axis=1))
-    png.write_png(Path(path), np.concatenate(rows, axis=0))
+    studio.save(Image.fromarray(np.concatenate(rows, axis=0)), path)
 
 
 def sphere_of_voxels() -> bpy.types.Object:

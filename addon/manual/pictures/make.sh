@@ -8,7 +8,7 @@ folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$(mkdir -p "${1:-$folder}/descriptors" && cd "${1:-$folder}" && pwd)
 python=$folder/../../../.venv/bin/python
 [ $# -eq 0 ] || shift
-declare -A places=([maps]=color_maps.png [scans]=scans.png [descriptors]=descriptors [live]=live.gif)
+declare -A places=([maps]=color_maps.png [descriptors]=descriptors [live]=live.gif)
 
 # in_window WIDTH HEIGHT KIND OPTION...
 in_window() {
