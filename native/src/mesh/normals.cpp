@@ -25,9 +25,9 @@ constexpr double spread_full = 0.9;              // 26 degrees: up to here the f
 constexpr double spread_none = 0.8;              // 37 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
-// Where neighbors lie off the fit, by noise, stairs or detail that the mesh cannot show, the normal is the mean of all faces around:
-// vector areas are linear in positions, so that noise cancels in them, and fits differentiate it. In distances of the neighbors, and
-// in their heights, for where the surface bends as much, the fit still tells how.
+// The normal is the mean of all faces around if neighbors lie off the fit, by noise, stairs or detail that the mesh cannot show: vector
+// areas are linear in positions, so that noise cancels in them, and fits differentiate it. The limits are in distances of the
+// neighbors, and in their heights, since the fit still tells how a surface bends that bends by more than that.
 constexpr double noise_none = 0.015;
 constexpr double noise_full = 0.05;
 constexpr double share_none = 0.15;
@@ -127,7 +127,7 @@ double smooth_step(double none, double full, double value) {
   return t * t * (3 - 2 * t);
 }
 
-// Of some fans: unit normals, and the variance of positions around the fits.
+// Unit normals of some fans, and the variance of positions around the fits.
 struct FanNormals {
   std::vector<vec3> normal;
   std::vector<float> noise; // none where nothing is fitted

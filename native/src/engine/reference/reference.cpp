@@ -161,7 +161,7 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
-// Of H, of noise that moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each, less r z along
+// The standard error of H where noise moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each, less r z along
 // its rim; both are blurred as normals are.
 double standard_error(const Moments &moments, double r) {
   const double vertex = 2 * moments.facets / moments.area, variance = moments.noise / moments.area * vertex;
