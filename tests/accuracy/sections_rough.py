@@ -147,9 +147,9 @@ def error_bars(out, found, radii):
         out.lacks("error bars: this build has no standard error.")
         return
     out.table(
-        f"The share of vertices whose true H (K) lies within ±{NORMAL} standard errors, in %; 95 would be exact",
+        f"The share of vertices whose true H lies within ±{NORMAL} standard errors of noise, in %; the bias of the radius is not in them",
         ["surface", *map(percent, radii)],
-        [[row.name, *(f"{at[r][H].covered:.0f} ({at[r][K].covered:.0f})" for r in radii)] for row, at in found.items()],
+        [[row.name, *(f"{at[r][H].covered:.0f}" for r in radii)] for row, at in found.items()],
     )
 
 

@@ -25,8 +25,7 @@ protected:
     ASSERT_TRUE(reference);
     engine = open_context(GetParam(), why_not);
     if (!engine) GTEST_SKIP() << why_not;
-    names = registered_descriptors();
-    if (GetParam() != PDESC_BACKEND_CPU) std::erase(names, "standard_error"); // texels do not know the noise of positions
+    names = GetParam() == PDESC_BACKEND_CPU ? registered_descriptors() : descriptors_of_devices();
   }
 
   // The oracle is asked at some thousand vertices, and for operators, whose windows are wide, at some hundred: all would take it

@@ -61,7 +61,7 @@ protected:
     std::string why_not;
     software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
-    names = registered_descriptors();
+    names = descriptors_of_devices();
     std::erase_if(names, [](const std::string &name) { return components_of(name) != 1 || map_degree_of(name) > 0; });
   }
 

@@ -118,6 +118,12 @@ std::vector<std::string> registered_descriptors() {
   return names;
 }
 
+std::vector<std::string> descriptors_of_devices() {
+  std::vector<std::string> names = registered_descriptors();
+  std::erase(names, "standard_error");
+  return names;
+}
+
 static pdesc_descriptor_info info_of(const std::string &descriptor) {
   pdesc_descriptor_info info;
   pdesc_descriptor_info_init(&info);

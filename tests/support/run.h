@@ -77,6 +77,8 @@ Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<con
 Results compute(pdesc_context *context, const TestMesh &mesh, const Settings &settings, std::span<const std::string> descriptors);
 
 std::vector<std::string> registered_descriptors();
+// Those that devices have: texels do not know the noise of positions.
+std::vector<std::string> descriptors_of_devices();
 
 // Values a vertex has of a descriptor.
 size_t components_of(const std::string &descriptor);
