@@ -52,8 +52,8 @@ struct Neighborhood {
   float radius;
   float area;         // sum of w
   float scale;        // of sums over samples: 2 where adaptive sampling took half of them, else 1
-  vec3 shape;         // shape operator through the normal of the center, by which integrals are taken apart: s_xx, s_xy, s_yy
-  vec2 eigenvalues;   // of the shape operator S, the larger first; NaN where it cannot be fitted
+  vec3 shape;         // shape operator S: s_xx, s_xy, s_yy
+  vec2 eigenvalues;   // of S, the larger first; NaN where it cannot be fitted
   vec3 direction_max; // unit tangents that belong to them
   vec3 direction_min;
   float deviation;    // of the second moments from those of a flat disk, relatively
@@ -79,15 +79,10 @@ vec3 positive_direction(vec3 v) {
   return largest < 0.0f ? -v : v;
 }
 
-vec2 eigenvalues_of(vec3 shape) {
-  float mean = 0.5f * (shape.x + shape.z), half_gap = length(vec2(0.5f * (shape.x - shape.z), shape.y));
-  return vec2(mean + half_gap, mean - half_gap);
-}
-
 // The mean over directions of |S e|^2 and of kappa_S(e), as the moments of a full neighborhood have them. Where the distance along the
 // surface bounds it, its rim lies nearer by 1 - (kappa r)^2/24 where the surface bends.
 vec2 exact_means(Neighborhood neighborhood) {
-  vec2 k = eigenvalues_of(neighborhood.shape);
+  vec2 k = neighborhood.eigenvalues;
   vec2 exact = vec2(0.5f * dot(k, k), 0.5f * (k.x + k.y));
 #if GEODESIC_BALL
   float h = exact.y, d = 0.5f * (k.x - k.y), square = neighborhood.radius * neighborhood.radius;

@@ -24,10 +24,6 @@
 // ball.
 #define CREASE_REACH 1.25
 
-// The normal of the center counts as much in the mean normal of its neighborhood: what cancels out, as the normals of a closed surface
-// do, has no other.
-#define LEAST_MEAN_NORMAL 0.02
-
 // By how much normals blur neighborhoods, fitted ones and means of faces alike, in areas of a vertex; and the share of the noise of
 // heights that counts, since fits go through a noisy vertex themselves. Both by noise of 0.02 to 0.3 edges in balls of 2 to 12 % of tori
 // and ellipsoids.

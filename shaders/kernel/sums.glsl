@@ -2,19 +2,14 @@
 #include "kernel/interface.glsl"
 #include "terms.glsl"
 
-// All that a least-squares fit of normals over positions needs, in space: the plane to fit in is known once all neighbors are.
 struct Moments {
-  float area;          // sum of w
+  float area;
+  vec3 xx;             // sum of w x x^T, x in units of r
+  vec3 xy;             // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
+  float yy;            // sum of w |y|^2
   float squares;       // sum of w^2
   float facets;        // sum of w by the area of triangles
-  vec3 offset;         // sum of w d, d in units of r
-  vec3 normal;         // sum of w m, m = n_i - n: the normal less that of the center
-  float bend;          // sum of w |m|^2
   float noise;         // sum of w: variance of the positions along normals, in units of r^2
-  vec3 extent;         // sum of w: dx dx, dy dy, dz dz
-  vec3 extent_mixed;   // sum of w: dy dz, dz dx, dx dy
-  vec3 turn;           // sum of w: mx dx, my dy, mz dz
-  vec3 turn_mixed;     // sum of w: my dz + mz dy, mz dx + mx dz, mx dy + my dx
   float missing_area;  // area of samples that end on no texel, or that a device has no iterations for
   float hits_boundary; // above 0 where the mesh's boundary lies within the ball
 };
@@ -46,16 +41,12 @@ void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
   sums.center.value = value;
 #endif
   sums.moments.area = 0.0f;
+  sums.moments.xx = vec3(0.0f);
+  sums.moments.xy = vec3(0.0f);
+  sums.moments.yy = 0.0f;
   sums.moments.squares = 0.0f;
   sums.moments.facets = 0.0f;
-  sums.moments.offset = vec3(0.0f);
-  sums.moments.normal = vec3(0.0f);
-  sums.moments.bend = 0.0f;
   sums.moments.noise = 0.0f;
-  sums.moments.extent = vec3(0.0f);
-  sums.moments.extent_mixed = vec3(0.0f);
-  sums.moments.turn = vec3(0.0f);
-  sums.moments.turn_mixed = vec3(0.0f);
   sums.moments.missing_area = 0.0f;
   sums.moments.hits_boundary = 0.0f;
 #if EXTRAPOLATED
@@ -76,17 +67,6 @@ float geodesic_distance(Center center, Neighbor neighbor) {
 // A tangent vector v at a normal m, turned with it into the tangent plane of n: no projection would keep its length.
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
 
-vec3 mixed(vec3 a, vec3 b) { return vec3(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x); }
-
-// Adds how positions and normals vary around their means, along one direction.
-void add_variance(INOUT(Moments) m, float weight, vec3 along, vec3 normal_along) {
-  m.extent += weight * along * along;
-  m.extent_mixed += 0.5f * weight * mixed(along, along);
-  m.turn += weight * normal_along * along;
-  m.turn_mixed += weight * mixed(normal_along, along);
-  m.bend += weight * dot(normal_along, normal_along);
-}
-
 // Adds a neighbor of which all but what follows from its place in the tangent plane is known. inner: likewise, as half of the radius sees it.
 void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
 #if EXTRAPOLATED
@@ -94,21 +74,20 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
 #endif
                   vec4 map) {
   Center center = sums.center;
-  vec3 d = neighbor.offset * (1.0f / params.radius);
-  vec2 x = vec2(dot(d, center.t1), dot(d, center.t2));
+  vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
 #ifndef WIDE_NEIGHBORS
   neighbor.directions = outer(neighbor.direction);
 #endif
   sums.moments.area += neighbor.weight;
 #if !(MAP && defined(WIDE_NEIGHBORS)) // no variate is taken of a map over wide neighbors
-  vec3 turn = neighbor.normal - center.normal;
+  vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.facets += neighbor.weight * neighbor.facet;
-  sums.moments.offset += neighbor.weight * d;
   sums.moments.noise += neighbor.weight * neighbor.noise;
-  sums.moments.normal += neighbor.weight * turn;
-  add_variance(sums.moments, neighbor.weight, d, turn);
+  sums.moments.xx += neighbor.weight * outer(x);
+  sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  sums.moments.yy += neighbor.weight * dot(y, y);
 #endif
 #if MAP
   bool unknown = isnan(map.w); // the map does not exist there
@@ -166,70 +145,37 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
 
 // ---- Finishing
 
-// Least squares over a plane: what normals, as they lie in it, have in common with positions.
-struct Fit {
-  bool exists;
-  vec3 normal; // the mean of n_i; the plane is at right angles to it
-  vec3 t1;     // tangents
-  vec3 t2;
-  vec3 shape;  // the shape operator in units of 1/r: s_xx, s_xy, s_yy
-  float unexplained; // sum of w |n_i - n(x)|^2, n(x) the normal that S says
-};
-
-// a^T M b for a symmetric M that is given by its diagonal and by the numbers beside it.
-float form(vec3 diagonal, vec3 beside, vec3 a, vec3 b) { return dot(diagonal, a * b) + dot(beside, mixed(a, b)); }
-vec3 in_plane(vec3 diagonal, vec3 beside, vec3 t1, vec3 t2) {
-  return vec3(form(diagonal, beside, t1, t1), form(diagonal, beside, t1, t2), form(diagonal, beside, t2, t2));
-}
-
-// S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. xx: sum of w x x^T. xy: of w: x1 y1, x1 y2 + x2 y1, x2 y2. False where
-// x does not span the plane.
-bool least_squares(vec3 xx, vec3 xy, OUT(vec3) shape) {
+// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. False where x does not span the plane.
+bool fit_shape_operator(Moments m, OUT(vec3) shape) {
   shape = vec3(0.0f);
-  float spread = xx.x * xx.z - xx.y * xx.y;
-  float trace = xx.x + xx.z;
+  float spread = m.xx.x * m.xx.z - m.xx.y * m.xx.y;
+  float trace = m.xx.x + m.xx.z;
   if (!(spread > 1e-4f * trace * trace)) return false;
-  vec2 ratio = xx.y / vec2(xx.x, xx.z);
-  float s12 = (xy.y - ratio.x * xy.x - ratio.y * xy.z) / (trace - xx.y * (ratio.x + ratio.y));
-  shape = vec3((xy.x - s12 * xx.y) / xx.x, s12, (xy.z - s12 * xx.y) / xx.z);
+  vec2 ratio = m.xx.y / vec2(m.xx.x, m.xx.z);
+  float s12 = (m.xy.y - ratio.x * m.xy.x - ratio.y * m.xy.z) / (trace - m.xx.y * (ratio.x + ratio.y));
+  shape = vec3((m.xy.x - s12 * m.xx.y) / m.xx.x, s12, (m.xy.z - s12 * m.xx.y) / m.xx.z);
   return true;
 }
 
-// By positions and normals as the plane of the mean normal has them, about their means.
-Fit fit_shape_operator(Moments m, vec3 center_normal) {
-  Fit fit;
-  fit.exists = false;
-  fit.shape = vec3(0.0f);
-  fit.unexplained = 0.0f;
-  // A closed surface has no mean normal.
-  vec3 sum = m.normal + (1.0f + float(LEAST_MEAN_NORMAL)) * m.area * center_normal;
-  fit.normal = dot(sum, sum) > 0.0f ? normalize(sum) : center_normal;
-  tangents(fit.normal, fit.t1, fit.t2);
-  if (!(m.area > 0.0f)) return fit;
-  vec3 mean = m.offset / m.area;
-  vec3 xx = in_plane(m.extent - m.offset * mean, m.extent_mixed - 0.5f * mixed(m.offset, mean), fit.t1, fit.t2);
-  vec3 xy = in_plane(m.turn - m.normal * mean, 0.5f * (m.turn_mixed - mixed(m.normal, mean)), fit.t1, fit.t2) * vec3(1.0f, 2.0f, 1.0f);
-  fit.exists = least_squares(xx, xy, fit.shape);
-  fit.unexplained = max(m.bend - dot(m.normal, m.normal) / m.area - dot(fit.shape, xy), 0.0f);
-  return fit;
-}
-
 // Whether the normals deviate from what the shape operator says by more than the threshold.
-bool is_rough(Moments m, vec3 center_normal) {
-  Fit fit = fit_shape_operator(m, center_normal);
-  return !fit.exists || fit.unexplained > params.adaptive * params.adaptive * m.area;
+bool is_rough(Moments m) {
+  vec3 shape;
+  if (!fit_shape_operator(m, shape)) return true;
+  float unexplained = m.yy - dot(shape, m.xy);
+  return unexplained > params.adaptive * params.adaptive * m.area;
 }
 
-// Eigenvalues and eigenvectors of S, which is given as the tangents have it.
-void find_directions(vec3 shape, vec3 t1, vec3 t2, INOUT(Neighborhood) neighborhood) {
-  neighborhood.eigenvalues = eigenvalues_of(shape);
-  vec2 gap = vec2(0.5f * (shape.x - shape.z), shape.y);
+// Eigenvalues and eigenvectors of S.
+void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
+  float mean = 0.5f * (neighborhood.shape.x + neighborhood.shape.z);
+  vec2 gap = vec2(0.5f * (neighborhood.shape.x - neighborhood.shape.z), neighborhood.shape.y);
   float half_gap = length(gap);
+  neighborhood.eigenvalues = vec2(mean + half_gap, mean - half_gap);
   // Half of the angle of gap, from whichever of its two forms does not cancel.
   vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
   e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
-  neighborhood.direction_max = t1 * e.x + t2 * e.y;
-  neighborhood.direction_min = t2 * e.x - t1 * e.y;
+  neighborhood.direction_max = center.t1 * e.x + center.t2 * e.y;
+  neighborhood.direction_min = center.t2 * e.x - center.t1 * e.y;
 }
 
 // The standard error of H that independent noise of the vertices makes. H is, by Gauss's theorem, a sum over heights z: the ball counts
@@ -294,18 +240,13 @@ void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
 Neighborhood finish_neighborhood(Sums sums, float scale) {
   Moments m = sums.moments;
   Neighborhood neighborhood = unfitted_neighborhood(scale * m.area, scale);
-  Fit fit = fit_shape_operator(m, sums.center.normal);
-  vec3 t1 = sums.center.t1, t2 = sums.center.t2;
-  vec3 xx = in_plane(m.extent, m.extent_mixed, t1, t2), xy = in_plane(m.turn, 0.5f * m.turn_mixed, t1, t2) * vec3(1.0f, 2.0f, 1.0f);
-  if (fit.exists && least_squares(xx, xy, neighborhood.shape)) {
+  if (fit_shape_operator(m, neighborhood.shape)) {
     neighborhood.shape /= params.radius;
-    find_directions(fit.shape / params.radius, fit.t1, fit.t2, neighborhood);
-    neighborhood.direction_max = turn_to(sums.center.normal, fit.normal, neighborhood.direction_max);
-    neighborhood.direction_min = turn_to(sums.center.normal, fit.normal, neighborhood.direction_min);
+    find_directions(sums.center, neighborhood);
     neighborhood.standard_error = standard_error_of(m);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
-    vec3 off = abs(scale * xx / disk - vec3(1.0f, 0.0f, 1.0f));
+    vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
     neighborhood.deviation = max(max(off.x, off.z), off.y);
     neighborhood.tolerance = disk_tolerance(m);
     neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f

@@ -49,7 +49,7 @@ float area_explained(AreaTerms terms, vec3 s) {
 // the shape operator's RIM_BEND kappa^2 as control variate.
 float area_finish(AreaTerms terms, float area, Neighborhood neighborhood) {
   if (!(neighborhood.variate > 0.0f) || !(terms.moment > 0.0f)) return neighborhood.scale * area;
-  vec2 k = eigenvalues_of(neighborhood.shape);
+  vec2 k = neighborhood.eigenvalues;
   float mean = 0.125f * (3.0f * k.x * k.x + 2.0f * k.x * k.y + 3.0f * k.y * k.y); // of kappa^2
   float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, neighborhood.shape)) / terms.moment;
   float square = neighborhood.radius * neighborhood.radius;

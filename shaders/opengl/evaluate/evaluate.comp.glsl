@@ -80,7 +80,7 @@ bool take_samples(inout Sums sums, CenterData data, int index, int slot, out flo
     refined = progress[slot].refined != 0;
   }
 #if ADAPTIVE
-  if (params.begin_sample == first_half() && params.marks_only == 0) refined = sums.moments.hits_boundary > 0.0 || is_rough(sums.moments, sums.center.normal);
+  if (params.begin_sample == first_half() && params.marks_only == 0) refined = sums.moments.hits_boundary > 0.0 || is_rough(sums.moments);
 #endif
   SamplingEllipse ellipse = sampling_ellipse_of(data, index);
 #if PAPER
@@ -107,7 +107,7 @@ bool take_samples(inout Sums sums, CenterData data, int index, int slot, out flo
   scale = 1.0;
 #if ADAPTIVE
   sample_neighborhood(sums, slot, 0);
-  if (sums.moments.hits_boundary > 0.0 || is_rough(sums.moments, sums.center.normal))
+  if (sums.moments.hits_boundary > 0.0 || is_rough(sums.moments))
     sample_neighborhood(sums, slot, 1);
   else
     scale = 2.0;

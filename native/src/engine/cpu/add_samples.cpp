@@ -158,39 +158,34 @@ template <class Wide> struct Adder {
 
   // What the parts of blocks come to.
   struct BlockSums {
-    Lanes area = 0.0f, squares = 0.0f, bend = 0.0f, noise = 0.0f, facets = 0.0f;
-    Vector<3, Lanes> offset{Lanes(0.0f)}, normal{Lanes(0.0f)}, extent{Lanes(0.0f)}, extent_mixed{Lanes(0.0f)},
-        turn{Lanes(0.0f)}, turn_mixed{Lanes(0.0f)}; // positions not in units of the radius
+    Lanes area = 0.0f, squares = 0.0f, facets = 0.0f, noise = 0.0f, yy = 0.0f;
+    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};       // x not in units of the radius
     Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as SampleBlock has it
   };
 
   // By corners: the second moments of a triangle are those of its corners and, nine times, of its middle, over twelve.
-  void add_block(const SampleBlock &block, uint32_t samples, int first, BlockSums &to) {
+  void add_block(const SampleBlock &block, uint32_t samples, int first, BlockSums &to) const {
     const Choices chosen = choices_of(samples >> first);
     const Lanes weight = mix(0.0f, load(block.area + first), chosen);
-    Vector<3, Lanes> middle(Lanes(0.0f)), squares(Lanes(0.0f)), products(Lanes(0.0f)); // of the middle, three times
-    const auto add = [&](const Vector<3, Lanes> &d) {
-      squares += d * d;
-      products += Vector<3, Lanes>(d.y * d.z, d.z * d.x, d.x * d.y);
-    };
+    Lanes x = 0.0f, y = 0.0f; // of the middle, three times
+    Vector<3, Lanes> squares(Lanes(0.0f));
     for (const auto &corner : block.corner) {
       const Vector<3, Lanes> offset = load3(corner, first) - sums.center.position;
-      middle += offset;
-      add(offset);
+      const Lanes u = dot(offset, sums.center.t1), v = dot(offset, sums.center.t2);
+      x += u;
+      y += v;
+      squares += Vector<3, Lanes>(u * u, u * v, v * v);
     }
-    add(middle);
-    const Vector<3, Lanes> turn = load3(block.normal, first) - sums.center.normal, weighted = weight * turn;
+    const Vector<3, Lanes> normal = load3(block.normal, first);
+    const Lanes a = dot(normal, sums.center.t1), b = dot(normal, sums.center.t2);
+    squares += Vector<3, Lanes>(x * x, x * y, y * y);
     to.area += weight;
     to.squares += weight * weight;
-    to.offset += weight * middle;
-    to.normal += weighted;
     to.facets += weight * load(block.facet + first);
     to.noise += mix(0.0f, weight * load(block.noise + first), chosen);
-    to.bend += dot(weighted, turn) + mix(0.0f, load(block.bend + first), chosen);
-    to.extent += weight * squares;
-    to.extent_mixed += weight * products;
-    to.turn += weighted * middle;
-    to.turn_mixed += kernel.mixed(weighted, middle);
+    to.xx += weight * squares;
+    to.xy += weight * Vector<3, Lanes>(x * a, x * b + y * a, y * b);
+    to.yy += weight * (a * a + b * b);
     for (int i = 0; i < 6; ++i) to.turning[i] += mix(0.0f, load(block.turning[i] + first), chosen);
   }
 
@@ -198,18 +193,20 @@ template <class Wide> struct Adder {
     BlockSums of_blocks;
     for (const BlockPart &part : samples.parts) add_block(*samples.block[part.block], part.samples, first, of_blocks);
     const Lanes(&m)[6] = of_blocks.turning;
+    const auto turning = [&](const Vector<3, Lanes> &s, const Vector<3, Lanes> &t) {
+      return s.x * t.x * m[0] + s.y * t.y * m[1] + s.z * t.z * m[2] +
+             0.5f * ((s.x * t.y + s.y * t.x) * m[3] + (s.x * t.z + s.z * t.x) * m[4] + (s.y * t.z + s.z * t.y) * m[5]);
+    };
+    const Vector<3, Lanes> &t1 = sums.center.t1, &t2 = sums.center.t2;
+    const Vector<3, Lanes> turned(turning(t1, t1), 2.0f * turning(t1, t2), turning(t2, t2));
     const float per_radius = 1.0f / kernel.params.radius;
     sums.moments.area += of_blocks.area;
     sums.moments.squares += of_blocks.squares;
     sums.moments.facets += of_blocks.facets;
-    sums.moments.offset += of_blocks.offset * (per_radius * (1.0f / 3.0f));
-    sums.moments.normal += of_blocks.normal;
-    sums.moments.bend += of_blocks.bend;
     sums.moments.noise += of_blocks.noise * (per_radius * per_radius);
-    sums.moments.extent += of_blocks.extent * (per_radius * per_radius * (1.0f / 12.0f));
-    sums.moments.extent_mixed += of_blocks.extent_mixed * (per_radius * per_radius * (1.0f / 12.0f));
-    sums.moments.turn += (of_blocks.turn * (1.0f / 3.0f) + Vector<3, Lanes>(m[0], m[1], m[2])) * per_radius;
-    sums.moments.turn_mixed += (of_blocks.turn_mixed * (1.0f / 3.0f) + Vector<3, Lanes>(m[5], m[4], m[3])) * per_radius;
+    sums.moments.xx += of_blocks.xx * (per_radius * per_radius * (1.0f / 12.0f));
+    sums.moments.xy += (of_blocks.xy * (1.0f / 3.0f) + turned) * per_radius;
+    sums.moments.yy += of_blocks.yy;
   }
 
   // By its mean position and what varies around it.
@@ -350,8 +347,13 @@ template <class Wide> struct Adder {
   // To the moments that the parts' mean positions and normals have, what these vary within them.
   void add_variance(const Seen &seen, const Part &part) {
     const Lanes weight = part.area * part.area * seen.per_area;
-    for (int k = 0; k < 2; ++k)
-      kernel.add_variance(sums.moments, weight, seen.along[k] * (1.0f / kernel.params.radius), seen.normal_along[k]);
+    for (int k = 0; k < 2; ++k) {
+      const Lanes x = dot(seen.along[k], sums.center.t1) * (1.0f / kernel.params.radius),
+                  y = dot(seen.along[k], sums.center.t2) * (1.0f / kernel.params.radius);
+      const Lanes turn_x = dot(seen.normal_along[k], sums.center.t1), turn_y = dot(seen.normal_along[k], sums.center.t2);
+      sums.moments.xx += weight * Vector<3, Lanes>(x * x, x * y, y * y);
+      sums.moments.xy += weight * Vector<3, Lanes>(x * turn_x, x * turn_y + y * turn_x, y * turn_y);
+    }
   }
 };
 

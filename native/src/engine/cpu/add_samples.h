@@ -40,7 +40,6 @@ struct SumCenter {
 struct alignas(64) SampleBlock {
   float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], reach[block_lanes];
   float normal[3][block_lanes], area[block_lanes], noise[block_lanes], facet[block_lanes];
-  float bend[block_lanes];       // their area times how much normals vary
   float turning[6][block_lanes]; // their area times how normals vary with positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
 };
 // Blocks in which a ball's samples may be, and the spheres around them: middles and radii, as many as fill whole blocks.

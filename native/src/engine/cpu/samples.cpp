@@ -37,7 +37,7 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
   constexpr float nowhere = 1e18f;
   std::fill_n(&block.corner[0][0][0], sizeof block.corner / sizeof(float), nowhere);
   for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.reach, block.normal[0], block.normal[1],
-                       block.normal[2], block.area, block.noise, block.facet, block.bend})
+                       block.normal[2], block.area, block.noise, block.facet})
     std::fill_n(column, block_lanes, 0.0f);
   std::fill_n(&block.turning[0][0], 6 * block_lanes, 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -55,8 +55,6 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
       for (int k = 0; k < 2; ++k) sum += samples[i].along[k][a] * samples[i].normal_along[k][b];
       return samples[i].area * sum;
     };
-    for (int k = 0; k < 2; ++k)
-      for (const float component : samples[i].normal_along[k]) block.bend[i] += samples[i].area * component * component;
     for (int axis = 0; axis < 3; ++axis) block.turning[axis][i] = turning(axis, axis);
     block.turning[3][i] = turning(0, 1) + turning(1, 0);
     block.turning[4][i] = turning(0, 2) + turning(2, 0);

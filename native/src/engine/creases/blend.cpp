@@ -58,7 +58,7 @@ static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Soli
   solid.neighborhood = solid.kernel.unfitted_neighborhood(1.0f, 1.0f);
   solid.neighborhood.standard_error = 0.0f;
   solid.neighborhood.shape = {static_cast<float>(tensor.xx), static_cast<float>(tensor.xy), static_cast<float>(tensor.yy)};
-  solid.kernel.find_directions(solid.neighborhood.shape, sums.center.t1, sums.center.t2, solid.neighborhood);
+  solid.kernel.find_directions(solid.sums.center, solid.neighborhood);
   solid.kernel.find_curvatures(solid.sums, solid.neighborhood);
   const Kernel::Neighborhood &found = solid.neighborhood;
   solid.sums.terms.bending.energy = 0.5f * (found.k1 * found.k1 + found.k2 * found.k2);

@@ -48,28 +48,32 @@ struct Center {
   double map_radius, sigma;
 };
 
-// Sums over samples.
+// Sums over samples; those of the shape operator are moments of tangent coordinates x of d and y of n_i - n.
 struct Moments {
   double area = 0, rho = 0, height = 0, bending = 0;
   double noise = 0, facets = 0; // of w: variance of the positions along normals; area of the triangle
   double strip = 0; // area within the ball and beyond r along the surface
-  dvec3 offset{0}, normal{0}; // of d and of n
-  dmat3 extent{0}, turn{0}; // of d dT and of n dT
+  double xx = 0, xy = 0, yy = 0;
+  double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
   WindowMoments window;
 };
 
 void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double weight) {
   const double rho2 = glm::dot(d, d);
   const double rho = std::sqrt(rho2);
-  const dvec3 normal = n / glm::length(n), turn = normal - center.normal;
+  const dvec3 turn = n / glm::length(n) - center.normal;
+  const double x1 = glm::dot(d, center.tangent), x2 = glm::dot(d, center.bitangent);
+  const double y1 = glm::dot(turn, center.tangent), y2 = glm::dot(turn, center.bitangent);
   moments.area += weight;
   moments.rho += weight * rho;
   moments.height += weight * glm::dot(center.normal, d);
   if (rho > nearest * center.radius) moments.bending += weight * glm::dot(turn, turn) / rho2;
-  moments.offset += weight * d;
-  moments.normal += weight * normal;
-  moments.extent += weight * glm::outerProduct(d, d);
-  moments.turn += weight * glm::outerProduct(normal, d);
+  moments.xx += weight * x1 * x1;
+  moments.xy += weight * x1 * x2;
+  moments.yy += weight * x2 * x2;
+  moments.m11 += weight * x1 * y1;
+  moments.m12 += weight * (x1 * y2 + x2 * y1);
+  moments.m22 += weight * x2 * y2;
 }
 
 // A tangent vector v at a normal m, turned with it into the tangent plane of n.
@@ -161,42 +165,37 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
-// The standard error of H where noise moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each, less r z along
-// its rim; both are blurred as normals are.
+// The standard error of H where noise moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each,
+// less r z along its rim; both are blurred as normals are.
 double standard_error(const Moments &moments, double r) {
   const double vertex = 2 * moments.facets / moments.area, variance = moments.noise / moments.area * vertex;
   const double blurred = r * r + BLUR_OF_NORMALS * vertex, rim = r / std::sqrt(BLUR_OF_NORMALS * 4 * vertex);
   return std::sqrt(16 / pi * NOISE_SHARE * variance * (1 + rim) / blurred) / blurred;
 }
 
-// Least squares for a symmetric S over the plane of the mean normal: X S + S X = M + MT, in the principal frame of X three separate
-// equations.
+// Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations.
 void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
   constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner neighborhood does not determine S
   neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
   neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
   neighborhood.standard_error = undefined;
-  if (!(moments.area > 0)) return;
-  const dvec3 up = glm::normalize(moments.normal + LEAST_MEAN_NORMAL * moments.area * center.normal);
-  const dvec3 tangent = tangent_of(up), bitangent = glm::cross(up, tangent);
-  const dmat3 extent = moments.extent - glm::outerProduct(moments.offset, moments.offset) / moments.area;
-  const dmat3 turn = moments.turn - glm::outerProduct(moments.normal, moments.offset) / moments.area;
-  const auto between = [](dvec3 a, const dmat3 &m, dvec3 b) { return glm::dot(a, m * b); };
-  const double angle = 0.5 * std::atan2(2 * between(tangent, extent, bitangent),
-                                        between(tangent, extent, tangent) - between(bitangent, extent, bitangent));
-  const dvec3 e1 = std::cos(angle) * tangent + std::sin(angle) * bitangent, e2 = glm::cross(up, e1);
-  const double along = between(e1, extent, e1), across = between(e2, extent, e2);
+  const double angle = 0.5 * std::atan2(2 * moments.xy, moments.xx - moments.yy);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double along = c * c * moments.xx + 2 * c * s * moments.xy + s * s * moments.yy;
+  const double across = s * s * moments.xx - 2 * c * s * moments.xy + c * c * moments.yy;
   if (!(across > least_ratio * along)) return;
-  const double m11 = between(e1, turn, e1), m22 = between(e2, turn, e2), m12 = between(e1, turn, e2) + between(e2, turn, e1);
-  const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
   neighborhood.standard_error = standard_error(moments, center.radius);
+  const double m11 = c * c * moments.m11 + c * s * moments.m12 + s * s * moments.m22;
+  const double m22 = s * s * moments.m11 - c * s * moments.m12 + c * c * moments.m22;
+  const double m12 = (c * c - s * s) * moments.m12 + 2 * c * s * (moments.m22 - moments.m11);
+  const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
   const double mean = 0.5 * (s11 + s22), half_difference = std::hypot(0.5 * (s11 - s22), s12);
   neighborhood.k1 = mean + half_difference;
   neighborhood.k2 = mean - half_difference;
   neighborhood.mean = mean;
   neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
-  const double to_max = 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from e1 to the direction of k1
-  neighborhood.direction_max = turn_to(center.normal, up, std::cos(to_max) * e1 + std::sin(to_max) * e2);
+  const double turn = angle + 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from the tangent to the direction of k1
+  neighborhood.direction_max = std::cos(turn) * center.tangent + std::sin(turn) * center.bitangent;
   neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
 }
 
