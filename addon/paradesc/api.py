@@ -68,8 +68,7 @@ def compute(
         counterclockwise as seen from outside. Polygons may be concave.
     descriptors: a name or several, of those that paradesc.descriptors() lists.
     radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
-        "diagonal" (of the bounding box, times it), "absolute" (the vertices' unit) or "mean-edge" (times it). "auto" is
-        that of profile(), at which noise and bias balance.
+        "diagonal" (of the bounding box, times it), "absolute" or "mean-edge" (times it). "auto": as profile() finds it.
     samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
     uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
