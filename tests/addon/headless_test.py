@@ -115,7 +115,7 @@ def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
     [
         (
             ["--radius", "0.1,x"],
-            '"0.1,x" is no radius; give a number, or several with commas; see paradesc bake --help.',
+            '"0.1,x" is no radius; give a number, several with commas, or auto; see paradesc bake --help.',
         ),
         (
             ["--memory-limit", "0"],
