@@ -41,7 +41,7 @@ def test_the_radius_is_about_the_one_of_least_error(rough, profile):
     errors = np.abs(profile.values - rough[2]).mean(axis=1)
     found = errors[list(profile.radii).index(profile.radius)]
     assert profile.radii[0] < profile.radius < profile.radii[-1]
-    assert found <= 1.2 * errors.min()
+    assert found <= 1.25 * errors.min()  # the next radius is larger by a root of two
     own = profile.values[np.searchsorted(profile.radii, profile.best), np.arange(len(rough[2]))]
     assert np.abs(own - rough[2]).mean() <= 1.2 * errors.min()
 

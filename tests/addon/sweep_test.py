@@ -69,7 +69,7 @@ def test_malformed_meshes_have_values_or_are_refused(name):
     ],
 )
 def test_what_is_wrong_is_found(sphere, name, value, said):
-    names = tuple(row.name for row in bridge.descriptors())
+    names = sweep.names_on("software")
     settings = job.Settings(names, bridge.Options(radius=0.1, **SMALL), "software")
     results = job.run(sphere, settings)
     results.values[name][7] = value
