@@ -53,24 +53,6 @@ TEST(Creases, prisms_have_all_of_their_edges) {
   for (const int sides : {3, 4, 5, 6}) expect_all(prism(sides), 3 * sides);
 }
 
-TEST(Creases, a_roof_of_one_triangle_a_gable_has_all_of_its_edges) {
-  for (const float depth : {0.25f, 0.5f, 1.0f, 2.0f}) {
-    const float x = depth / 2;
-    expect_all(shape({{-x, -0.36f, 0}, {-x, 0.36f, 0}, {-x, 0, 0.32f}, {x, -0.36f, 0}, {x, 0.36f, 0}, {x, 0, 0.32f}},
-                     {0, 2, 1, 3, 4, 5, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5}),
-               9);
-  }
-}
-
-TEST(Creases, a_beam_that_is_cut_at_a_slant_has_all_of_its_edges) {
-  for (const float slant : {0.25f, 0.5f})
-    for (const float length : {0.5f, 1.0f, 2.0f, 4.0f}) {
-      Triangles beam = box(1);
-      for (vec3 &p : beam.positions) p = {length * p.x, p.y, p.z + slant * length * p.x};
-      expect_all(beam, 12);
-    }
-}
-
 TEST(Creases, a_bevel_of_one_segment_has_both_of_its_edges) {
   for (const double width : {0.02, 0.1}) expect_all(bevelled_box(width), 48);
 }

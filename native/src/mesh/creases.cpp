@@ -20,7 +20,6 @@ namespace {
 constexpr double degree = pi / 180;
 constexpr double least_bend = 19.9 * degree; // 20, as rounded positions have it
 constexpr double least_hard_bend = 50 * degree;
-constexpr double corner_bend = 60 * degree; // of each edge that bends at a solid's corner
 constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5; // times as much as what bends beside an edge
 constexpr double reach = 3;                                         // of the width of the narrower triangle
 constexpr double flat = 0.3;                                        // of the edge's bend: what the search goes on over
@@ -110,8 +109,8 @@ private:
   }
 
   // The most that an edge beside this one, which bends by bend_here, bends along it, on the side of this half-edge; distance
-  // below 0: of its own triangle's edges, but for those that meet it at a solid's corner; back: those alone that bend the other
-  // way. Of what is above that bend, so many times, any will do, and what no factor brings there counts as nothing.
+  // below 0: of its own triangle's edges; back: those alone that bend the other way. Of what is above that bend, so many times,
+  // any will do, and what no factor brings there counts as nothing.
   double most_bent(int half_edge, double bend_here, double distance, double times, bool back = false) const {
     const double own_bend = std::abs(bend_here);
     const dvec3 begin = corner_position(triangles_, half_edge),
@@ -135,9 +134,7 @@ private:
           if (high * cosine > counts || !is_flat) {
             const double signed_bend = bend_of(edge), bend = std::abs(signed_bend);
             is_flat = bend < flat * own_bend;
-            const bool is_back = (signed_bend < 0) != (bend_here < 0);
-            const bool is_corner = distance < 0 && !is_back && std::min(bend, own_bend) >= corner_bend;
-            if (back ? is_back : !is_corner) most = std::max(most, bend * cosine);
+            if (!back || (signed_bend < 0) != (bend_here < 0)) most = std::max(most, bend * cosine);
             if (times * most > own_bend) return most;
           }
         }

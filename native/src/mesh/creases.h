@@ -27,8 +27,7 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 // - it bends by 20 degrees, and three times as much as any edge that runs along with it beside it on either side, or eight times
 //   as much as any on one of its sides (the flat side of a bevel); beside is within three times the width of the narrower
 //   triangle;
-// - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side);
-//   if it bends by 60, those that do so, too, in the same direction, do not count (a gable, or the end of a beam cut at a slant).
+// - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
 // Unmarked edges that hang together are a line. Within four of its edges around it, a line of a polyhedron bends eight times as
 // much as all other edges. Any other line has 16 edges at least, and what it bends is not taken back beside it, as a step of a
 // staircase, a needle and a fold are. Edges of noise are as bent as their neighbors, and those of a coarse smooth surface are,
