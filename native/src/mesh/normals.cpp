@@ -217,7 +217,7 @@ private:
     const dvec3 smooth = glm::normalize(n + weight * (fitted - n));
     const double rough = smooth_step(noise_none, noise_full, std::sqrt(noise / member.square)) *
                          smooth_step(share_none, share_full, member.height > 0 ? std::sqrt(noise / member.height) : 0.0);
-    return unit_or(smooth + rough * (member.mean - smooth), smooth);
+    return rough > 0 ? unit_or(smooth + rough * (member.mean - smooth), smooth) : smooth;
   }
 
   const Sources &from_;

@@ -85,6 +85,7 @@ dvec3 turned(dvec3 n, dvec3 p, dvec3 mean, double spread, int begin, int end) {
   noise *= double(end - begin);
   double rough = smooth_between(noise_none, noise_full, sqrt(noise / squares)) *
                  (sum_ww > 0.0LF ? smooth_between(share_none, share_full, sqrt(noise / sum_ww)) : 0.0LF);
+  if (rough == 0.0LF) return smooth_normal;
   dvec3 blended = unit_or_zero(smooth_normal + rough * (mean - smooth_normal));
   return blended == dvec3(0.0LF) ? smooth_normal : blended;
 }

@@ -47,9 +47,9 @@ public:
       : surfels_(surfels), middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
-    noise_ = source.noise_of(triangle);
-    const vec3 a = source.position(3 * triangle);
-    facet_ = 0.5f * length(cross(source.position(3 * triangle + 1) - a, source.position(3 * triangle + 2) - a));
+    const Sample undivided = sample_of(source, triangle, lean_);
+    noise_ = undivided.noise;
+    facet_ = undivided.facet;
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
       whole_.corner[k] = {source.position(corner),
