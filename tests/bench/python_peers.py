@@ -130,6 +130,15 @@ def measure(cases: dict[str, Case], jobs: dict[str, Job], turns: int) -> tuple[d
     return {name: row for name, row in rows.items() if name not in reasons}, reasons
 
 
+def tried(name: str, jobs: dict[str, Job], case: Case, reasons: dict) -> dict | None:
+    """One run of a job, or nothing where something is missing for it, with the reason."""
+    try:
+        return once(jobs[name], case)
+    except MissingError as error:
+        reasons[name] = str(error)
+        return None
+
+
 def in_turns(cases: dict[str, Case], jobs: dict[str, Job], turns: int, rows: dict, reasons: dict) -> None:
     """Puts the fastest of several runs of each job into its row, under the mesh's name."""
     for mesh, case in cases.items():
@@ -137,11 +146,7 @@ def in_turns(cases: dict[str, Case], jobs: dict[str, Job], turns: int, rows: dic
             for name in [name for name in jobs if name not in reasons]:
                 before = rows[name].get(mesh)
                 parts.say(f"{mesh} {name} … ")
-                try:
-                    found = once(jobs[name], case)
-                except MissingError as error:
-                    reasons[name] = str(error)
-                else:
+                if found := tried(name, jobs, case, reasons):
                     rows[name][mesh] = timing.fastest([found, before] if before else [found])
         parts.say("\n")
 
@@ -154,11 +159,7 @@ def rough_errors(jobs: dict[str, Job], rows: dict, reasons: dict) -> None:
         case = Case(made.points, made.faces.astype(np.int64), FRACTION * made.diagonal, mean, gaussian)
         for name in [name for name in jobs if name in rows and name not in reasons]:
             parts.say(f"{head} {name} … ")
-            try:
-                found = once(jobs[name], case)
-            except MissingError as error:
-                reasons[name] = str(error)
-            else:
+            if found := tried(name, jobs, case, reasons):
                 rows[name].setdefault("rough", {})[head] = {key: found[key] for key in ("error_mean", "error_gaussian")}
         parts.say("\n")
 
