@@ -17,7 +17,7 @@ DOMAINS = ("vertices", "faces")
 # is, none of its border comes near enough to another texel's middle for that texel to be evaluated on it.
 AROUND = np.array([(-1, 0), (1, -1), (0, 1)]) / 8
 LOW_COVERAGE = 0.9  # below which the mask says so, as at vertices
-# What a report says of the UV map, which here is none of the mesh's.
+# A report's counts that are of the UV map, which here is none of the mesh's.
 OF_UV_MAPS = (
     "zero_uv_area_triangles", "flipped_triangles", "charts", "seam_edges", "self_seam_edges", "unlinked_edges",
     "uv_remapped",
