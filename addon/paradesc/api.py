@@ -68,12 +68,13 @@ def compute(
         counterclockwise as seen from outside. Polygons may be concave.
     descriptors: a name or several, of those that paradesc.descriptors() lists.
     radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
-        "diagonal" (of the bounding box, times it), "absolute" or "mean-edge" (times it). "auto": as profile() finds it.
+        "diagonal" (of the bounding box, times it), "absolute" or "mean-edge" (times it). "auto": as profile() finds it,
+        and the estimator that then errs less, unless another than "shape-operator" is asked for.
     samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
     uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
     corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
     sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
-    estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or "extrapolated" to radius 0.
+    estimator: of curvature: "shape-operator" as fitted, "extrapolated" to radius 0, or the paper's "integral" (8, 11-14).
     domain: "faces" measures each at its middle. map_descriptor: what operators (laplacian, harris and so on) work on.
     backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
@@ -114,10 +115,11 @@ def profile(
 
     vertices, faces: as compute() takes them. descriptor: "mean_curvature", the one whose standard error is known.
     radii: two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
-    at: vertices, (j,) from 0, which the arrays are of; None: all. more: other options of compute().
+    at: vertices, (j,) from 0, which the arrays are of; None: all. more: other options of compute(), such as the
+        estimator: "shape-operator" or "extrapolated".
 
-    Returns a Profile: radii (k,), values, standard_error and bias (k, n), best (n,) and radius, see there and the
-    manual. Errors are those of compute(), and InputError where noise is not known: by normals "mesh" and on devices.
+    Returns a Profile: radii (k,), values, standard_error and bias (k, n), best (n,), radius and expected, see there and
+    the manual. Errors are those of compute(), and InputError where noise is not known: by normals "mesh" and on devices.
     """
     with plain_errors():
         if descriptor != balance.MEAN:

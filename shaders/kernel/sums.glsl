@@ -14,11 +14,19 @@ struct Moments {
   float hits_boundary; // above 0 where the mesh's boundary lies within the ball
 };
 
+#if EXTRAPOLATED
+// Moments in windows of t = (distance/r)^2: 1 - t, and its square.
+struct Windows {
+  vec3 wide_xx, wide_xy;
+  vec3 narrow_xx, narrow_xy;
+};
+#endif
+
 struct Sums {
   Center center;
   Moments moments;
 #if EXTRAPOLATED
-  BallTerms half_ball; // of half the radius
+  Windows windows;
 #endif
   Terms terms;
 };
@@ -50,7 +58,10 @@ void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
   sums.moments.missing_area = 0.0f;
   sums.moments.hits_boundary = 0.0f;
 #if EXTRAPOLATED
-  ball_init(sums.half_ball);
+  sums.windows.wide_xx = vec3(0.0f);
+  sums.windows.wide_xy = vec3(0.0f);
+  sums.windows.narrow_xx = vec3(0.0f);
+  sums.windows.narrow_xy = vec3(0.0f);
 #endif
   terms_init(sums.terms);
 }
@@ -67,12 +78,19 @@ float geodesic_distance(Center center, Neighbor neighbor) {
 // A tangent vector v at a normal m, turned with it into the tangent plane of n: no projection would keep its length.
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
 
-// Adds a neighbor of which all but what follows from its place in the tangent plane is known. inner: likewise, as half of the radius sees it.
-void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
 #if EXTRAPOLATED
-                  Neighbor inner,
+// xx, xy: moments, with their weight in the ball, of what lies at the distance.
+void add_to_windows(INOUT(Windows) windows, float distance, vec3 xx, vec3 xy) {
+  float t = distance / params.radius, window = max(1.0f - t * t, 0.0f);
+  windows.wide_xx += window * xx;
+  windows.wide_xy += window * xy;
+  windows.narrow_xx += window * window * xx;
+  windows.narrow_xy += window * window * xy;
+}
 #endif
-                  vec4 map) {
+
+// Adds a neighbor of which all but what follows from its place in the tangent plane is known.
+void add_weighted(INOUT(Sums) sums, Neighbor neighbor, vec4 map) {
   Center center = sums.center;
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
@@ -85,8 +103,12 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
   sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.facets += neighbor.weight * neighbor.facet;
   sums.moments.noise += neighbor.weight * neighbor.noise;
-  sums.moments.xx += neighbor.weight * outer(x);
-  sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  vec3 xx = neighbor.weight * outer(x), xy = neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  sums.moments.xx += xx;
+  sums.moments.xy += xy;
+#if EXTRAPOLATED
+  add_to_windows(sums.windows, neighbor.distance, xx, xy);
+#endif
   sums.moments.yy += neighbor.weight * dot(y, y);
 #endif
 #if MAP
@@ -98,10 +120,6 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
   neighbor.slope = vec2(dot(slope, center.t1), dot(slope, center.t2));
 #endif
   terms_add(sums.terms, center, neighbor);
-#if EXTRAPOLATED
-  inner.direction = neighbor.direction;
-  ball_add(sums.half_ball, center, inner);
-#endif
 }
 
 // Adds one sample of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than
@@ -134,33 +152,40 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   neighbor.near = near || neighbor.rho == 0.0f;
   vec3 turn = center.normal - normal;
   neighbor.turning = dot(turn, turn) / mix(neighbor.rho * neighbor.rho, 1.0f, neighbor.near);
-#if EXTRAPOLATED
-  Neighbor inner = neighbor;
-  inner.weight = area * rim_share(neighbor.distance, 0.5f * params.radius, per_side);
-  add_weighted(sums, neighbor, inner, map);
-#else
   add_weighted(sums, neighbor, map);
-#endif
 }
 
 // ---- Finishing
 
 // Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. False where x does not span the plane.
-bool fit_shape_operator(Moments m, OUT(vec3) shape) {
+bool fit_shape_operator(vec3 xx, vec3 xy, OUT(vec3) shape) {
   shape = vec3(0.0f);
-  float spread = m.xx.x * m.xx.z - m.xx.y * m.xx.y;
-  float trace = m.xx.x + m.xx.z;
+  float spread = xx.x * xx.z - xx.y * xx.y;
+  float trace = xx.x + xx.z;
   if (!(spread > 1e-4f * trace * trace)) return false;
-  vec2 ratio = m.xx.y / vec2(m.xx.x, m.xx.z);
-  float s12 = (m.xy.y - ratio.x * m.xy.x - ratio.y * m.xy.z) / (trace - m.xx.y * (ratio.x + ratio.y));
-  shape = vec3((m.xy.x - s12 * m.xx.y) / m.xx.x, s12, (m.xy.z - s12 * m.xx.y) / m.xx.z);
+  vec2 ratio = xx.y / vec2(xx.x, xx.z);
+  float s12 = (xy.y - ratio.x * xy.x - ratio.y * xy.z) / (trace - xx.y * (ratio.x + ratio.y));
+  shape = vec3((xy.x - s12 * xx.y) / xx.x, s12, (xy.z - s12 * xx.y) / xx.z);
   return true;
+}
+
+// S by the estimator asked for, in units of 1/r. A window blurs by the mean of t^2 over that of t, 1/2 and 2/5 on a disk, to lowest order:
+// what grows with r^2 cancels. Among all sums that are free of it, this window, (1 - t)(3 - 5 t), magnifies noise least.
+bool find_shape_operator(Sums sums, OUT(vec3) shape) {
+  bool found = fit_shape_operator(sums.moments.xx, sums.moments.xy, shape);
+#if EXTRAPOLATED
+  vec3 wide, narrow;
+  found = found && fit_shape_operator(sums.windows.wide_xx, sums.windows.wide_xy, wide) &&
+          fit_shape_operator(sums.windows.narrow_xx, sums.windows.narrow_xy, narrow);
+  if (found) shape = 5.0f * narrow - 4.0f * wide;
+#endif
+  return found;
 }
 
 // Whether the normals deviate from what the shape operator says by more than the threshold.
 bool is_rough(Moments m) {
   vec3 shape;
-  if (!fit_shape_operator(m, shape)) return true;
+  if (!fit_shape_operator(m.xx, m.xy, shape)) return true;
   float unexplained = m.yy - dot(shape, m.xy);
   return unexplained > params.adaptive * params.adaptive * m.area;
 }
@@ -179,12 +204,18 @@ void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
 }
 
 // The standard error of H that independent noise of the vertices makes. H is, by Gauss's theorem, a sum over heights z: the ball counts
-// 2 z, its rim -r z. A vertex stands for two triangles; normals blur the ball and its rim by the vertices that they come from.
+// 2 z, its rim -r z; windows that are 0 there have no rim. A vertex stands for two triangles; normals blur the ball and its rim by the
+// vertices that they come from.
 float standard_error_of(Moments m) {
   float r = params.radius, vertex = 2.0f * m.facets / m.area;
-  float blurred = r * r + float(BLUR_OF_NORMALS) * vertex, rim = r / sqrt(float(BLUR_OF_NORMALS) * 4.0f * vertex);
+  float blurred = r * r + float(BLUR_OF_NORMALS) * vertex;
+#if EXTRAPOLATED
+  float growth = 48.0f;
+#else
+  float growth = 1.0f + r / sqrt(float(BLUR_OF_NORMALS) * 4.0f * vertex);
+#endif
   float variance = float(NOISE_SHARE) * m.noise / m.area * r * r * vertex;
-  return sqrt(16.0f / PI * variance * (1.0f + rim) / blurred) / blurred;
+  return sqrt(16.0f / PI * variance * growth / blurred) / blurred;
 }
 
 // The tolerance on the second moments of a full disk. Few samples leave noise: the rim cuts 2 sqrt(pi n) of n samples.
@@ -217,11 +248,6 @@ Neighborhood unfitted_neighborhood(float area, float scale) {
 void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
   if (!(sums.moments.area > 0.0f)) return;
   neighborhood.mean = ball_mean_curvature(sums.terms.ball, neighborhood);
-#if EXTRAPOLATED
-  Neighborhood half_neighborhood = neighborhood;
-  half_neighborhood.radius *= 0.5f;
-  neighborhood.mean = (4.0f * ball_mean_curvature(sums.half_ball, half_neighborhood) - neighborhood.mean) / 3.0f;
-#endif
   neighborhood.gauss = area_gaussian_curvature(area_finish(sums.terms.area, sums.terms.area.inside, neighborhood), params.radius);
   float root = sqrt(max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0f));
   neighborhood.k1 = neighborhood.mean + root;
@@ -240,7 +266,7 @@ void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
 Neighborhood finish_neighborhood(Sums sums, float scale) {
   Moments m = sums.moments;
   Neighborhood neighborhood = unfitted_neighborhood(scale * m.area, scale);
-  if (fit_shape_operator(m, neighborhood.shape)) {
+  if (find_shape_operator(sums, neighborhood.shape)) {
     neighborhood.shape /= params.radius;
     find_directions(sums.center, neighborhood);
     neighborhood.standard_error = standard_error_of(m);

@@ -84,14 +84,37 @@ def test_vertices_of_no_face_have_no_best_radius(rough):
     assert np.isfinite(found.best[:-1]).all()
 
 
-def test_auto_computes_at_the_radius_of_the_profile(rough, profile):
-    points, quads, _ = rough
+def test_auto_computes_by_the_profile_that_expects_the_smaller_error(rough, profile):
+    points, quads, mean = rough
+    extrapolated = paradesc.profile(points, quads, estimator="extrapolated")
+    assert extrapolated.expected < 0.8 * profile.expected
+    assert extrapolated.radius > profile.radius
     found = paradesc.compute(points, quads, ["curvedness", "mean_curvature"], radius="auto")
-    assert found.radius == pytest.approx(profile.radius, rel=0.005)  # it has three digits
-    same = paradesc.compute(points, quads, "curvedness", radius=found.radius, radius_unit="absolute")
+    assert found.report["settings"]["estimator"] == "extrapolated"
+    assert found.radius == pytest.approx(extrapolated.radius, rel=0.005)  # it has three digits
+    assert found.radii["curvedness"] == found.radius
+    errors = found["mean_curvature"] - mean
+    assert np.sqrt((errors**2).mean()) == pytest.approx(extrapolated.expected, rel=0.5)
+    fitted = profile.values[list(profile.radii).index(profile.radius)] - mean
+    assert np.abs(errors).mean() < 0.7 * np.abs(fitted).mean()
+    options = {"radius": found.radius, "radius_unit": "absolute", "estimator": "extrapolated"}
+    same = paradesc.compute(points, quads, "curvedness", **options)
     assert np.array_equal(found["curvedness"], same["curvedness"])
     with paradesc.Mesh(points, quads) as mesh:
         assert np.array_equal(mesh.compute("curvedness", radius="auto")["curvedness"], found["curvedness"])
+
+
+def test_auto_stays_with_the_estimator_that_is_asked_for(rough):
+    points, quads, _ = rough
+    found = paradesc.compute(points, quads, radius="auto", estimator="integral")
+    assert found.report["settings"]["estimator"] == "integral"
+
+
+def test_extrapolation_takes_what_the_radius_blurs_away():
+    points, quads, mean, _ = torus(96, 40)
+    errors = [np.abs(paradesc.compute(points, quads, radius=0.12, estimator=estimator)["mean_curvature"] - mean).mean()
+              for estimator in ("shape-operator", "extrapolated")]  # fmt: skip
+    assert errors[1] < 0.15 * errors[0]
 
 
 def test_coarse_meshes_have_an_auto_radius_too():
@@ -137,4 +160,4 @@ def test_the_command_line_takes_auto(rough, profile, tmp_path):
     words = ["bake", str(tmp_path / "rough.obj"), "--reader", "files", "--radius", "auto", "--progress", "off"]
     assert cli.main([*words, "--output", str(tmp_path / "out.npz"), "--json", str(report)]) == 0
     found = json.loads(report.read_text())["objects"][0]
-    assert found["field_report"]["radius"] == pytest.approx(profile.radius, rel=0.005)
+    assert found["field_report"]["radius"] == pytest.approx(paradesc.compute(points, quads, radius="auto").radius, rel=0.005)

@@ -47,7 +47,7 @@ TEST_P(FacetsStage, is_made_for_curvature_alone_and_once) {
   ASSERT_TRUE(mesh->facets.key());
   const Facet *const made = mesh->facets.value().facet.data();
   options.radius = 0.12;
-  options.estimator = PDESC_ESTIMATOR_EXTRAPOLATED; // passes at two radii
+  options.estimator = PDESC_ESTIMATOR_EXTRAPOLATED;
   compute_on("mean_curvature");
   EXPECT_EQ(mesh->facets.value().facet.data(), made);
   const auto key = mesh->facets.key();

@@ -75,7 +75,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--ellipse", choices=bridge.ELLIPSES,
         help="affine, paper: extent by the distortion at the center, or the largest on the way")  # fmt: skip
     add("--estimator", choices=bridge.ESTIMATORS,
-        help="curvatures by the fitted shape operator (default), the paper's integrals, or extrapolated")  # fmt: skip
+        help="curvatures by the fitted shape operator (default), that extrapolated to radius 0, or the paper's integrals")  # fmt: skip
     add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS,
         help="integrals with the shape operator as control variate (default), or plain sums")  # fmt: skip
     add("--geodesic", choices=bridge.GEODESICS,

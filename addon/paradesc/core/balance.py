@@ -1,9 +1,10 @@
 """Finds the radius at which noise and what a radius blurs balance, from mean curvatures at several. Never imports bpy.
 
 The model: H(r) = H0 + b r² + noise. A ball blurs with r² (Pottmann, Wallner, Huang and Yang 2009, "Integral invariants
-for robust geometry processing"), and the descriptor standard_error says how noise falls with r if that of
-vertices is independent. The change of H from r to about 2 r holds both: its mean square over the mesh says how large
-they are. Steps of voxels belong together over several edges, so noise may fall more slowly, by a power of r.
+for robust geometry processing"), the estimator "extrapolated" with r⁴, and the descriptor standard_error says how noise
+falls with r if that of vertices is independent. The change of H from r to about 2 r holds both: its mean square over the
+mesh says how large they are. Steps of voxels belong together over several edges, so noise may fall more slowly, by a
+power of r.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,6 +33,10 @@ ENOUGH_CHANGES = 3
 TELLING = APART
 # The radius of least error takes the squared bias times this: changes of what bends within a radius are less than r² has it.
 CAUTION = 2.0
+# By what power of r an estimator blurs.
+BLUR = {"shape-operator": 2, "extrapolated": 4}
+# Extrapolated values are taken if their expected error is less than this share of the others'.
+GAIN = 0.8
 # Rounds of averages over the neighbors of vertices that smooth their own bias; noise and bias count half by the mesh's.
 ROUNDS = 8
 
@@ -51,9 +56,10 @@ class Profile:
     radii: Array  # (k,), from the smallest
     values: Array  # (k, n) mean curvatures
     standard_error: Array  # (k, n) by noise; that of independent vertices, times what the mesh shows of it
-    bias: Array  # (k, n) by what the radius blurs, b r²: values less bias and noise are H0. Noisy itself; 0 if none shows
+    bias: Array  # (k, n) by what the radius blurs, b r² or b r⁴: values less bias and noise are H0. Noisy; 0 if none shows
     best: Array  # (n,) the radius of each vertex at which the expected error, both together, is least
     radius: float  # that of the whole mesh
+    expected: float  # the root mean square of the error that is expected there
 
     def at(self, vertices: Sequence[int] | NDArray[np.integer]) -> "Profile":
         """The same of these vertices alone; the radius stays that of the whole mesh."""
@@ -70,9 +76,19 @@ def usual_radii(arrays: MeshArrays) -> list[float]:
 
 
 def balanced(settings: Settings, arrays: MeshArrays, compute: Callable[[Settings], Results]) -> Settings:
-    """The settings with the radius at which noise and bias of this mesh balance, as a length."""
-    radius = float(f"{profile(settings, arrays, usual_radii(arrays), compute).radius:.3g}")
-    options = replace(settings.options, radius=radius, radius_unit="absolute")
+    """The settings with the radius at which noise and bias of this mesh balance, as a length.
+
+    The shape operator is extrapolated if that leaves a smaller error.
+    """
+    radii, estimator = usual_radii(arrays), settings.options.estimator
+    found = profile(settings, arrays, radii, compute)
+    if estimator == "shape-operator":
+        options = replace(settings.options, estimator="extrapolated")
+        other = profile(replace(settings, options=options), arrays, radii, compute)
+        if other.expected < GAIN * found.expected:
+            found, estimator = other, "extrapolated"
+    radius = float(f"{found.radius:.3g}")
+    options = replace(settings.options, radius=radius, radius_unit="absolute", estimator=estimator)
     return replace(settings, options=options, more_radii=(), radius_fit=fitting.FITTED)
 
 
@@ -83,23 +99,35 @@ def profile(
     results = compute(sweep(settings, radii))
     rows = np.stack(list(results.values.values())).astype(np.float64)  # both of each radius, one after the other
     telling = TELLING * advice.edge_and_diagonal(arrays)[0]
-    return profile_of(radii, rows[::2], rows[1::2], arrays.triangle_vertices, telling)
+    power = BLUR[blurring(settings.options.estimator)]
+    return profile_of(radii, rows[::2], rows[1::2], arrays.triangle_vertices, telling, power)
+
+
+def blurring(estimator: str) -> str:
+    """The estimator that a profile is measured by: integrals have no standard error, and the shape operator's radius."""
+    return estimator if estimator in BLUR else "shape-operator"
 
 
 def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
     """The settings that compute what a profile is made of, at these lengths."""
-    options = replace(settings.options, radius=radii[0], radius_unit="absolute", estimator="shape-operator")
+    options = replace(settings.options, radius=radii[0], radius_unit="absolute", estimator=blurring(settings.options.estimator))
     options = replace(options, evaluate="vertex", seam_error=False)
     more = tuple(radii[1:])
     return replace(settings, descriptors=(MEAN, ERROR), options=options, more_radii=more, radius_fit="typed")
 
 
 def profile_of(
-    radii: Sequence[float], values: Array, errors: Array, triangles: NDArray[np.integer], telling: float = 0.0
+    radii: Sequence[float],
+    values: Array,
+    errors: Array,
+    triangles: NDArray[np.integer],
+    telling: float = 0.0,
+    blur: int = 2,
 ) -> Profile:
     """The profile of (k, n) mean curvatures and standard errors at k lengths that rise.
 
-    triangles: (m, 3) vertices. telling: the model is fitted to radii from this on, if they are enough.
+    triangles: (m, 3) vertices. telling: the model is fitted to radii from this on, if they are enough. blur: the power of
+    the radius that bias grows with.
     """
     r = np.asarray(radii, float)
     known = np.isfinite(values).all(axis=0) & np.isfinite(errors).all(axis=0)
@@ -109,11 +137,11 @@ def profile_of(
             "that displaces; give the radius as a number."
         )
     first, second = changes_between(r, telling)
-    share = 1 / (r[second] ** 2 - r[first] ** 2)
+    share = 1 / (r[second] ** blur - r[first] ** blur)
     slopes = (values[second] - values[first]) * share[:, None]  # b, and noise
     squares = errors**2
     mean = squares[:, known].mean(axis=1)
-    power, noise, bias = explained(r, (slopes[:, known] ** 2).mean(axis=1), mean, first, second)
+    power, noise, bias = explained(r, (slopes[:, known] ** 2).mean(axis=1), mean, first, second, blur)
     growth = noise * (r / r[first[0]]) ** power
     squares, mean = squares * growth[:, None], mean * growth
 
@@ -123,11 +151,13 @@ def profile_of(
     slope = (weights * slopes).sum(axis=0)
     own = slope**2 - (weights**2 * variances).sum(axis=0)  # less what noise puts into it, on average
     own = np.maximum(averaged(np.where(known, own, 0.0), known, triangles), 0) if bias else np.zeros(len(own))
-    expected = (squares + mean[:, None]) / 2 + CAUTION * (own + bias) / 2 * r[:, None] ** 4
+    expected = (squares + mean[:, None]) / 2 + CAUTION * (own + bias) / 2 * r[:, None] ** (2 * blur)
     best = np.where(known, r[np.where(known, expected, 0.0).argmin(axis=0)], np.nan)
-    radius = r[(mean + CAUTION * bias * r**4).argmin()]
-    blurred = slope * r[:, None] ** 2 if bias else np.where(known, 0.0, np.nan) * r[:, None]
-    return Profile(r, values, np.sqrt(squares), blurred, best, float(radius))
+    of_mesh = mean + CAUTION * bias * r ** (2 * blur)
+    blurred = slope * r[:, None] ** blur if bias else np.where(known, 0.0, np.nan) * r[:, None]
+    return Profile(
+        r, values, np.sqrt(squares), blurred, best, float(r[of_mesh.argmin()]), float(np.sqrt(of_mesh.min()))
+    )
 
 
 def changes_between(r: Array, telling: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -143,13 +173,13 @@ def changes_between(r: Array, telling: float = 0.0) -> tuple[NDArray[np.intp], N
 
 
 def explained(
-    r: Array, slopes: Array, errors: Array, first: NDArray[np.intp], second: NDArray[np.intp]
+    r: Array, slopes: Array, errors: Array, first: NDArray[np.intp], second: NDArray[np.intp], blur: int = 2
 ) -> tuple[float, float, float]:
     """The power of r and the factor that errors need, and b², which explain the mean squares of slopes best.
 
     errors: the mean squares of standard errors. Relative squares are least, as all radii tell of either as much.
     """
-    by_noise = (errors[first] + errors[second]) / (r[second] ** 2 - r[first] ** 2) ** 2
+    by_noise = (errors[first] + errors[second]) / (r[second] ** blur - r[first] ** blur) ** 2
     slopes = np.maximum(slopes, np.finfo(float).tiny)
     if len(slopes) < ENOUGH_CHANGES:
         return 0.0, 1.0, float(np.maximum(slopes - by_noise, 0).mean())

@@ -74,7 +74,7 @@ RELOCATIONS = [
 ESTIMATORS = [
     ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
     ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
-    ("extrapolated", "Extrapolated", "The integral, mean curvature extrapolated to r = 0; for radii above 12 edges"),
+    ("extrapolated", "Extrapolated", "As fitted, without most of what the radius flattens; for large radii, and noise"),
 ]
 VARIANCE_REDUCTIONS = [
     ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),

@@ -119,7 +119,8 @@ typedef enum pdesc_relocation {
 typedef enum pdesc_estimator {
   PDESC_ESTIMATOR_SHAPE_OPERATOR = 0, /* curvatures are those of the least-squares shape operator */
   PDESC_ESTIMATOR_INTEGRAL = 1,       /* the paper's: H from the sphere volume (8), K from the geodesic area (11-14), k1 and k2 (10) */
-  PDESC_ESTIMATOR_EXTRAPOLATED = 2    /* the same with H extrapolated to r = 0 (Richardson): (4 H(r/2) - H(r))/3 */
+  PDESC_ESTIMATOR_EXTRAPOLATED = 2    /* the shape operator without what the radius blurs, to lowest order: 5 S' - 4 S, S in the window
+                                         1 - t, S' in its square, t = (distance/r)^2. Noise counts more: a larger radius suits it */
 } pdesc_estimator;
 
 typedef enum pdesc_variance_reduction {

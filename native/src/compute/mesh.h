@@ -17,8 +17,8 @@
 
 namespace paradesc {
 
-// The positions' version, pixels along the sides of the largest map, the radius and the estimator.
-using DivisionKey = std::tuple<uint64_t, int, int, double, int32_t>;
+// The positions' version, pixels along the sides of the largest map, and the radius.
+using DivisionKey = std::tuple<uint64_t, int, int, double>;
 
 struct Mesh {
   std::shared_ptr<Context> context;

@@ -12,13 +12,12 @@ bool is_divided(const Mesh &mesh, int32_t backend) {
 }
 
 static MeasureTriangle measure_of(const Mesh &mesh, const pdesc_options &options) {
-  const double smallest = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED ? 0.5 : 1.0;
-  return measure_of_maps(mesh.maps, mesh.triangles, smallest * requested_radius(mesh, options));
+  return measure_of_maps(mesh.maps, mesh.triangles, requested_radius(mesh, options));
 }
 
 static DivisionKey key_of(const Mesh &mesh, const pdesc_options &options) {
   const ivec2 size = largest_image(mesh.maps);
-  return {mesh.positions_version, size.x, size.y, requested_radius(mesh, options), options.estimator};
+  return {mesh.positions_version, size.x, size.y, requested_radius(mesh, options)};
 }
 
 const DivisionPlan &division_plan_of(Mesh &mesh, const pdesc_options &options) {

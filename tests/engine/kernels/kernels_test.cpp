@@ -22,8 +22,8 @@ template <template <class, class> class Kernel> void expect_lanes_add_up(double 
 
 TEST(Kernels, add_eight_neighbors_at_a_time_by_the_shape_operator) { expect_lanes_add_up<kernels::ShapeOperatorKernel>(1e-5); }
 TEST(Kernels, add_eight_neighbors_at_a_time_by_the_integrals) { expect_lanes_add_up<kernels::IntegralKernel>(5e-5); }
-TEST(Kernels, add_eight_neighbors_at_a_time_by_two_radii) {
-  expect_lanes_add_up<kernels::ExtrapolatedKernel>(2e-4); // differences of integrals, and roots of them
+TEST(Kernels, add_eight_neighbors_at_a_time_by_two_windows) {
+  expect_lanes_add_up<kernels::ExtrapolatedKernel>(1e-4); // differences, and roots of them
 }
 
 TEST(Kernels, know_how_a_paraboloid_bends) {

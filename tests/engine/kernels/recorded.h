@@ -25,10 +25,12 @@
 #define GEODESIC_BALL 1
 #include "engine/kernels/kernels.h"
 #undef KERNEL
+#undef INTEGRAL
 #undef EXTRAPOLATED
 #undef GEODESIC_BALL
 #undef FACES
 #define KERNEL ExtrapolatedKernel
+#define INTEGRAL 0
 #define EXTRAPOLATED 1
 #define GEODESIC_BALL 0
 #define FACES 0

@@ -212,20 +212,13 @@ template <class Wide> struct Adder {
   // By its mean position and what varies around it.
   template <bool may_be_cut>
   [[gnu::always_inline]] void add_part(const Seen &seen, const Distances &distances, const Part &part) {
-    const float radius = kernel.params.radius;
     Neighbor neighbor;
     if constexpr (requires { neighbor.face; }) neighbor.face = seen.face;
     place<may_be_cut>(seen, part, neighbor);
     if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, distances.corner, neighbor);
     neighbor.inside = Wide::geodesic_ball || !may_be_cut ? part.area : part.area - strip_of(seen, part);
-    if constexpr (requires { sums.half_ball; }) {
-      Neighbor inner = neighbor;
-      place<true>(seen, clip_at(seen, distances, 0.5f * radius), inner);
-      kernel.add_weighted(sums, neighbor, inner, Vector<4, Lanes>(Lanes(0.0f)));
-    } else {
-      kernel.add_weighted(sums, neighbor, Vector<4, Lanes>(Lanes(0.0f)));
-    }
-    add_variance(seen, part);
+    kernel.add_weighted(sums, neighbor, Vector<4, Lanes>(Lanes(0.0f)));
+    add_variance(seen, part, neighbor.distance);
   }
 
   // By the middles of its edges, where a quadratic has its mean: sums for operators have the map times squares of positions.
@@ -345,14 +338,17 @@ template <class Wide> struct Adder {
   }
 
   // To the moments that the parts' mean positions and normals have, what these vary within them.
-  void add_variance(const Seen &seen, const Part &part) {
+  void add_variance(const Seen &seen, const Part &part, const Lanes &distance) {
     const Lanes weight = part.area * part.area * seen.per_area;
     for (int k = 0; k < 2; ++k) {
       const Lanes x = dot(seen.along[k], sums.center.t1) * (1.0f / kernel.params.radius),
                   y = dot(seen.along[k], sums.center.t2) * (1.0f / kernel.params.radius);
       const Lanes turn_x = dot(seen.normal_along[k], sums.center.t1), turn_y = dot(seen.normal_along[k], sums.center.t2);
-      sums.moments.xx += weight * Vector<3, Lanes>(x * x, x * y, y * y);
-      sums.moments.xy += weight * Vector<3, Lanes>(x * turn_x, x * turn_y + y * turn_x, y * turn_y);
+      const Vector<3, Lanes> xx = weight * Vector<3, Lanes>(x * x, x * y, y * y),
+                             xy = weight * Vector<3, Lanes>(x * turn_x, x * turn_y + y * turn_x, y * turn_y);
+      sums.moments.xx += xx;
+      sums.moments.xy += xy;
+      if constexpr (requires { sums.windows; }) kernel.add_to_windows(sums.windows, distance, xx, xy);
     }
   }
 };
@@ -384,7 +380,7 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
       for (int32_t i = 0; i < whole.blocks; ++i) adder.template add<Wide::geodesic_ball>(at(whole.sample, i), at(whole.map, i));
     for (int32_t i = 0; i < cut.blocks; ++i) adder.template add<true>(at(cut.sample, i), at(cut.map, i));
     count = store(adder.sums.moments, pass, of_lanes, 0);
-    if constexpr (requires { adder.sums.half_ball; }) count = store(adder.sums.half_ball, pass, of_lanes, count);
+    if constexpr (requires { adder.sums.windows; }) count = store(adder.sums.windows, pass, of_lanes, count);
     count = store(adder.sums.terms, pass, of_lanes, count);
   }
   for (size_t i = 0; i < count; ++i) {

@@ -92,7 +92,7 @@ inline constexpr int sum_kinds = 9;
 constexpr bool adds_blocks(SumKind kind) { return kind == SumKind::fit; } // as parts of them
 inline constexpr size_t max_sums = 96;
 
-// sums: Moments, BallTerms of half the radius where the kind has them, Terms.
+// sums: Moments, Windows where the kind has them, Terms.
 using AddSamples = void (*)(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums);
 
 // Balls of one radius around some centers; behind the last, far off.

@@ -85,7 +85,7 @@ void finish_kernel(const EvaluateParams &params, const SumCenter &center, const 
   const auto vector = [](const float *v) { return kernels::Vector<3, float>(v[0], v[1], v[2]); };
   finished.kernel.sums_init(finished.sums, vector(center.position), vector(center.normal), center.value);
   sums = load(sums, finished.sums.moments);
-  if constexpr (requires { finished.sums.half_ball; }) sums = load(sums, finished.sums.half_ball);
+  if constexpr (requires { finished.sums.windows; }) sums = load(sums, finished.sums.windows);
   load(sums, finished.sums.terms);
   finished.sums.moments.hits_boundary = boundary ? 1.0f : 0.0f;
   finished.neighborhood = finished.kernel.finish_neighborhood(finished.sums, 1.0f);
@@ -96,7 +96,7 @@ void finish_kernel(const EvaluateParams &params, const SumCenter &center, const 
 
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows) {
   const bool geodesic = options.distance == PDESC_DISTANCE_GEODESIC,
-             integral = options.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
+             integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
   const auto with_geodesic = [&](SumKind euclidean, SumKind along) { return geodesic ? along : euclidean; };
   if (windows) return {with_geodesic(SumKind::windows, SumKind::windows_geodesic), false};
   const auto any = [&](std::string_view terms) {
@@ -104,7 +104,7 @@ SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool 
   };
   if (any("jet")) return {with_geodesic(SumKind::jet, SumKind::jet_geodesic), false};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED)
-    return {with_geodesic(SumKind::extrapolated, SumKind::extrapolated_geodesic), true};
+    return {with_geodesic(SumKind::extrapolated, SumKind::extrapolated_geodesic), false};
   if (integral || geodesic || any("area") || any("ball") || any("bending"))
     return {with_geodesic(SumKind::surface, SumKind::surface_geodesic), integral};
   return {SumKind::fit, false};

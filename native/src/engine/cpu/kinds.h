@@ -15,13 +15,11 @@
 
 #define KERNEL ExtrapolatedKernel
 #define SURFACE 1
-#define INTEGRAL 1
 #define EXTRAPOLATED 1
 #include "engine/cpu/kind.h"
 
 #define KERNEL ExtrapolatedGeodesicKernel
 #define SURFACE 1
-#define INTEGRAL 1
 #define EXTRAPOLATED 1
 #define GEODESIC_BALL 1
 #include "engine/cpu/kind.h"

@@ -22,7 +22,7 @@ size_t EvaluateSettings::value_rows() const {
 
 bool EvaluateSettings::faces() const {
   const bool measures_area = std::ranges::any_of(descriptors, [](int row) { return uses_terms(row, "area"); });
-  return !displaced && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || measures_area);
+  return !displaced && (estimator == PDESC_ESTIMATOR_INTEGRAL || measures_area);
 }
 
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
@@ -87,7 +87,7 @@ static std::string variant_of(const EvaluateSettings &settings, const char *buff
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
          define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
-         define("INTEGRAL", settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR) +
+         define("INTEGRAL", settings.estimator == PDESC_ESTIMATOR_INTEGRAL) +
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
@@ -100,7 +100,7 @@ GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSett
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   if (const GLuint kept = programs.find(name)) return kept; // its texts are long
-  const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
+  const bool integral = settings.estimator == PDESC_ESTIMATOR_INTEGRAL;
   return programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
                       {{"variant.glsl", variant},
                        {"terms.glsl", compose_terms(settings.descriptors, integral)},

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "kernel/limits.h"
 #include "mesh/quadrature.h"
@@ -43,18 +44,33 @@ struct Center {
   dvec3 normal, tangent, bitangent;
   double radius;
   bool geodesic_ball;
+  bool windows; // are summed, too
   bool with_map;
   dvec4 map; // at p
   double map_radius, sigma;
 };
 
-// Sums over samples; those of the shape operator are moments of tangent coordinates x of d and y of n_i - n.
+// Moments of tangent coordinates x of d and y of n_i - n.
+struct Fit {
+  double xx = 0, xy = 0, yy = 0;
+  double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
+  void add(dvec2 x, dvec2 y, double weight) {
+    xx += weight * x.x * x.x;
+    xy += weight * x.x * x.y;
+    yy += weight * x.y * x.y;
+    m11 += weight * x.x * y.x;
+    m12 += weight * (x.x * y.y + x.y * y.x);
+    m22 += weight * x.y * y.y;
+  }
+};
+
+// Sums over samples.
 struct Moments {
   double area = 0, rho = 0, height = 0, bending = 0;
   double noise = 0, facets = 0; // of w: variance of the positions along normals; area of the triangle
   double strip = 0; // area within the ball and beyond r along the surface
-  double xx = 0, xy = 0, yy = 0;
-  double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
+  Fit ball;
+  Fit wide, narrow; // windows 1 - t and (1 - t)^2, t = (distance/r)^2
   WindowMoments window;
 };
 
@@ -62,18 +78,18 @@ void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double
   const double rho2 = glm::dot(d, d);
   const double rho = std::sqrt(rho2);
   const dvec3 turn = n / glm::length(n) - center.normal;
-  const double x1 = glm::dot(d, center.tangent), x2 = glm::dot(d, center.bitangent);
-  const double y1 = glm::dot(turn, center.tangent), y2 = glm::dot(turn, center.bitangent);
+  const dvec2 x(glm::dot(d, center.tangent), glm::dot(d, center.bitangent));
+  const dvec2 y(glm::dot(turn, center.tangent), glm::dot(turn, center.bitangent));
   moments.area += weight;
   moments.rho += weight * rho;
   moments.height += weight * glm::dot(center.normal, d);
   if (rho > nearest * center.radius) moments.bending += weight * glm::dot(turn, turn) / rho2;
-  moments.xx += weight * x1 * x1;
-  moments.xy += weight * x1 * x2;
-  moments.yy += weight * x2 * x2;
-  moments.m11 += weight * x1 * y1;
-  moments.m12 += weight * (x1 * y2 + x2 * y1);
-  moments.m22 += weight * x2 * y2;
+  moments.ball.add(x, y, weight);
+  if (!center.windows) return;
+  const double bend = center.geodesic_ball ? glm::dot(turn, d) / std::max(rho2, 1e-300) : 0.0;
+  const double distance = rho * (1 + bend * bend * rho2 / 24) / center.radius, window = std::max(1 - distance * distance, 0.0);
+  moments.wide.add(x, y, weight * window);
+  moments.narrow.add(x, y, weight * window * window);
 }
 
 // A tangent vector v at a normal m, turned with it into the tangent plane of n.
@@ -166,35 +182,51 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
 // The standard error of H where noise moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each,
-// less r z along its rim; both are blurred as normals are.
-double standard_error(const Moments &moments, double r) {
+// less r z along its rim; both are blurred as normals are. What is free of the bias by r^2 has no rim, and 48 times the variance.
+double standard_error(const Moments &moments, const Center &center) {
+  const double r = center.radius;
   const double vertex = 2 * moments.facets / moments.area, variance = moments.noise / moments.area * vertex;
   const double blurred = r * r + BLUR_OF_NORMALS * vertex, rim = r / std::sqrt(BLUR_OF_NORMALS * 4 * vertex);
-  return std::sqrt(16 / pi * NOISE_SHARE * variance * (1 + rim) / blurred) / blurred;
+  return std::sqrt(16 / pi * NOISE_SHARE * variance * (center.windows ? 48 : 1 + rim) / blurred) / blurred;
 }
 
-// Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations.
-void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
+// Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations. S as xx, xy, yy.
+std::optional<dvec3> fitted(const Fit &fit) {
   constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner neighborhood does not determine S
+  const double angle = 0.5 * std::atan2(2 * fit.xy, fit.xx - fit.yy);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double along = c * c * fit.xx + 2 * c * s * fit.xy + s * s * fit.yy;
+  const double across = s * s * fit.xx - 2 * c * s * fit.xy + c * c * fit.yy;
+  if (!(across > least_ratio * along)) return {};
+  const double m11 = c * c * fit.m11 + c * s * fit.m12 + s * s * fit.m22;
+  const double m22 = s * s * fit.m11 - c * s * fit.m12 + c * c * fit.m22;
+  const double m12 = (c * c - s * s) * fit.m12 + 2 * c * s * (fit.m22 - fit.m11);
+  const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
+  return dvec3(c * c * s11 - 2 * c * s * s12 + s * s * s22, c * s * (s11 - s22) + (c * c - s * s) * s12,
+               s * s * s11 + 2 * c * s * s12 + c * c * s22);
+}
+
+// By the ball alone; or by both windows, which blur by half and two fifths of what a ball's rim alone would.
+std::optional<dvec3> shape_operator(const Moments &moments, bool windows) {
+  if (!windows) return fitted(moments.ball);
+  const auto wide = fitted(moments.wide), narrow = fitted(moments.narrow);
+  if (!wide || !narrow) return {};
+  return 5.0 * *narrow - 4.0 * *wide;
+}
+
+void find_curvatures(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
   neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
   neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
   neighborhood.standard_error = undefined;
-  const double angle = 0.5 * std::atan2(2 * moments.xy, moments.xx - moments.yy);
-  const double c = std::cos(angle), s = std::sin(angle);
-  const double along = c * c * moments.xx + 2 * c * s * moments.xy + s * s * moments.yy;
-  const double across = s * s * moments.xx - 2 * c * s * moments.xy + c * c * moments.yy;
-  if (!(across > least_ratio * along)) return;
-  neighborhood.standard_error = standard_error(moments, center.radius);
-  const double m11 = c * c * moments.m11 + c * s * moments.m12 + s * s * moments.m22;
-  const double m22 = s * s * moments.m11 - c * s * moments.m12 + c * c * moments.m22;
-  const double m12 = (c * c - s * s) * moments.m12 + 2 * c * s * (moments.m22 - moments.m11);
-  const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
-  const double mean = 0.5 * (s11 + s22), half_difference = std::hypot(0.5 * (s11 - s22), s12);
+  const std::optional<dvec3> shape = shape_operator(moments, center.windows);
+  if (!shape) return;
+  neighborhood.standard_error = standard_error(moments, center);
+  const double mean = 0.5 * (shape->x + shape->z), gap = 0.5 * (shape->x - shape->z), half_difference = std::hypot(gap, shape->y);
   neighborhood.k1 = mean + half_difference;
   neighborhood.k2 = mean - half_difference;
   neighborhood.mean = mean;
   neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
-  const double turn = angle + 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from the tangent to the direction of k1
+  const double turn = 0.5 * std::atan2(shape->y, gap); // from the tangent to the direction of k1
   neighborhood.direction_max = std::cos(turn) * center.tangent + std::sin(turn) * center.bitangent;
   neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
 }
@@ -204,10 +236,10 @@ double ball_mean_curvature(const ReferenceNeighborhood &neighborhood) {
   return neighborhood.rho > 0 ? -8.0 / (3.0 * neighborhood.radius) * neighborhood.height / neighborhood.rho : undefined;
 }
 
-// Paper eq. (11) and (10), with this H.
-void take_integrals(ReferenceNeighborhood &neighborhood, double mean) {
+// Paper eq. (8), (11) and (10).
+void take_integrals(ReferenceNeighborhood &neighborhood) {
   const double r = neighborhood.radius, square = r * r;
-  neighborhood.mean = mean;
+  neighborhood.mean = ball_mean_curvature(neighborhood);
   neighborhood.gauss = 12.0 * (pi * square - neighborhood.geodesic_area) / (pi * square * square);
   const double root = std::sqrt(std::max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0));
   neighborhood.k1 = neighborhood.mean + root;
@@ -229,20 +261,6 @@ public:
   explicit Flood(const Surface &surface) : surface_(surface), stamp_(static_cast<size_t>(surface.triangles.triangle_count), -1) {}
 
   ReferenceNeighborhood measure(int point, const ReferenceSettings &settings) {
-    ReferenceNeighborhood neighborhood = measure_once(point, settings);
-    if (settings.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR) return neighborhood;
-    double mean = ball_mean_curvature(neighborhood);
-    if (settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) {
-      ReferenceSettings half = settings;
-      half.radius *= 0.5;
-      mean = (4 * ball_mean_curvature(measure_once(point, half)) - mean) / 3;
-    }
-    take_integrals(neighborhood, mean);
-    return neighborhood;
-  }
-
-private:
-  ReferenceNeighborhood measure_once(int point, const ReferenceSettings &settings) {
     const double radius = settings.radius;
     start(point, settings);
     Moments moments;
@@ -264,7 +282,8 @@ private:
     neighborhood.height = moments.height;
     neighborhood.bending = moments.bending;
     neighborhood.geodesic_area = moments.area - (settings.geodesic_ball ? 0.0 : moments.strip);
-    fit_shape_operator(moments, center_, neighborhood);
+    find_curvatures(moments, center_, neighborhood);
+    if (settings.estimator == PDESC_ESTIMATOR_INTEGRAL) take_integrals(neighborhood);
     if (!center_.with_map) return neighborhood;
     neighborhood.window = finish_window(moments.window, center_.tangent, center_.bitangent, radius);
     neighborhood.window.harris_k = settings.harris_k;
@@ -272,6 +291,7 @@ private:
     return neighborhood;
   }
 
+private:
   void start(int point, const ReferenceSettings &settings) {
     point_ = point;
     ++mark_;
@@ -285,6 +305,7 @@ private:
                glm::cross(n, tangent),
                settings.radius,
                settings.geodesic_ball,
+               settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED,
                with_map,
                with_map ? dvec4((*surface_.map)[i]) : dvec4(0),
                settings.map_radius,
