@@ -42,7 +42,7 @@ TEST_P(MeanCurvature, extrapolation_takes_the_bias_of_large_radii_away) {
   lay_out(mesh, {.charts = 6});
   const auto error = [&](int32_t estimator) {
     const std::vector<float> values =
-        compute_one(mesh, "mean_curvature", {.radius = 0.2, .estimator = estimator});
+        compute_one(mesh, "mean_curvature", {.radius = 0.12, .estimator = estimator});
     return percent_ae(values, mesh.H).mean;
   };
   const double fitted = error(PDESC_ESTIMATOR_SHAPE_OPERATOR), extrapolated = error(PDESC_ESTIMATOR_EXTRAPOLATED);

@@ -202,8 +202,8 @@ template <template <class, class> class Kernel> std::vector<float> eight_at_a_ti
   kernel.sums_init(together, as<float>(recorded.position), as<float>(recorded.normal), recorded.value);
   together.moments = kernels::add_lanes<typename Narrow::Moments>(sums.moments);
   together.terms = kernels::add_lanes<typename Narrow::Terms>(sums.terms);
-  if constexpr (requires { together.half_ball; })
-    together.half_ball = kernels::add_lanes<typename Narrow::BallTerms>(sums.half_ball);
+  if constexpr (requires { together.windows; })
+    together.windows = kernels::add_lanes<typename Narrow::Windows>(sums.windows);
   together.moments.hits_boundary = recorded.hits_boundary;
   return finish_all(kernel, together);
 }
