@@ -73,15 +73,15 @@ Triangles cube(int cells) {
   return shape(positions, corners);
 }
 
+dvec3 area_vector(const Triangles &triangles, int face) {
+  const auto p = [&](int k) { return dvec3(triangles.positions[triangles.corner_vertex[3 * face + k]]); };
+  return glm::cross(p(1) - p(0), p(2) - p(0));
+}
+
 // Marks edges between faces that do not lie in one plane, as if a user had.
 void mark_bent_edges(Triangles &triangles) {
   const Subject unmarked(triangles);
-  const auto face_normal = [&](size_t corner) {
-    const auto p = [&](size_t k) {
-      return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner / 3 * 3 + k])]);
-    };
-    return glm::cross(p(1) - p(0), p(2) - p(0));
-  };
+  const auto face_normal = [&](size_t corner) { return area_vector(triangles, static_cast<int>(corner / 3)); };
   for (size_t h = 0; h < triangles.corner_vertex.size(); ++h) {
     const int32_t twin = unmarked.half_edges.twin[h];
     if (twin >= 0 && angle_between(face_normal(h), face_normal(static_cast<size_t>(twin))) > 1) triangles.half_edge_sharp[h] = 1;
@@ -139,6 +139,22 @@ TEST(Normals, fitted_are_no_farther_off_than_max_under_noise) {
     for (const vec3 normal : fitted.point) ASSERT_TRUE(is_unit(normal));
     EXPECT_LE(angle_error(mesh, subject, PDESC_NORMALS_FITTED).mean, angle_error(mesh, subject, PDESC_NORMALS_MAX).mean);
   }
+}
+
+// Vertices lie off every smooth fit by a third of an edge, and the areas of triangles differ.
+TEST(Normals, of_a_rough_surface_are_the_mean_of_the_faces_around_by_area) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 6000});
+  add_noise(mesh, 5e-3, 3);
+  const Subject subject(mesh);
+  const Normals fitted = subject.normals(PDESC_NORMALS_FITTED);
+  int means = 0;
+  for (int fan = 0; fan < subject.rings.fan_count; ++fan) {
+    dvec3 sum(0);
+    for (int64_t i = subject.rings.face_begin[fan]; i < subject.rings.face_begin[fan + 1]; ++i)
+      sum += area_vector(subject.triangles, subject.rings.face[i]);
+    means += angle_between(sum, dvec3(fitted.point[subject.rings.fan_point[fan]])) < 0.01;
+  }
+  EXPECT_GT(means, 0.8 * subject.rings.fan_count);
 }
 
 // A vertex more beside another, in the middle of a triangle's corner: slivers, whose directions say nothing.
