@@ -181,8 +181,8 @@ def carried(mesh, values, points):
     return (values[corners] * weights).sum(1)
 
 
-def stability(out, standard_error):
-    """Writes how the value of a vertex of a scan changes with its mesh; standard_error(result, name): (n,) or None."""
+def stability(out):
+    """Writes how the value of a vertex of a scan changes with its mesh."""
     arrays = meshes.find("stanford-bunny")
     if arrays is None:
         out.lacks("stanford-bunny.obj is not in ../shared/meshes.")
@@ -190,14 +190,15 @@ def stability(out, standard_error):
     points, faces = arrays.positions.astype(float), arrays.triangle_vertices
     length, name, rows = meshes.diagonal(arrays), rough.CURVATURES[0], []
     for radius in SCAN_RADII:
-        before = paradesc.compute(points, faces, name, radius * length, radius_unit="absolute", backend="cpu")
-        spread, own = np.ptp(np.nanpercentile(before[name], [2.5, 97.5])), standard_error(before, name)
+        asked = [name, "standard_error"]
+        before = paradesc.compute(points, faces, asked, radius * length, radius_unit="absolute", backend="cpu")
+        spread, own = np.ptp(np.nanpercentile(before[name], [2.5, 97.5])), before["standard_error"]
         for label, mesh in remeshed(out, points, faces):
             there = paradesc.compute(
                 mesh.points, mesh.regular_faces, name, radius * length, radius_unit="absolute", backend="cpu"
             )
             change = np.abs(carried(mesh, there[name].astype(float), points) - before[name])
-            within = None if own is None else 100 * np.mean((change <= own)[np.isfinite(change)])
+            within = 100 * np.mean((change <= own)[np.isfinite(change)])
             shares = 100 * np.nanpercentile(change, (50, 75, 99)) / spread
             rows.append([label, mesh.n_cells, f"{100 * radius:g} %", *shares, within])
     out.table(

@@ -134,7 +134,7 @@ def accuracy(_bench, out, quick):
     rough_scans.published(out, radii[len(RADII) :])
     if not quick:
         others(out)
-        rough_scans.stability(out, standard_error)
+        rough_scans.stability(out)
 
 
 def error_bars(out, found, radii, which):
