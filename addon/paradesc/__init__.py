@@ -11,9 +11,13 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import Descriptor, InputError, Mesh, ParadescError, Profile, Result, compute, descriptors, profile
+    from .api import Descriptor, InputError, Mask, Mesh, ParadescError, ParadescWarning, Profile, Result
+    from .api import compute, descriptors, profile
 
-__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Profile", "Result", "compute", "descriptors", "profile"]
+__all__ = [
+    "Descriptor", "InputError", "Mask", "Mesh", "ParadescError", "ParadescWarning", "Profile", "Result",
+    "compute", "descriptors", "profile",
+]  # fmt: skip
 
 # Blender before 4.2 reads this without running the file, so it holds literals only. Later versions read the manifest.
 bl_info = {
@@ -85,7 +89,7 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
 
 
 def modules() -> list[ModuleType]:

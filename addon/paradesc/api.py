@@ -9,6 +9,7 @@ Descriptors in Parametric Space"; descriptors() lists what there is, each with i
 """
 
 import threading
+import warnings
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -25,12 +26,15 @@ from .core.balance import Profile
 from .core.polygons import Polygons, triangle_corners
 from .core.stream import Stream
 from .numpy_api import inputs, options, other_meshes
-from .numpy_api.result import Result
+from .numpy_api.result import Mask, ParadescWarning, Result
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Profile", "Result", "compute", "descriptors", "profile"]
+__all__ = [
+    "Descriptor", "InputError", "Mask", "Mesh", "ParadescError", "ParadescWarning", "Profile", "Result",
+    "compute", "descriptors", "profile",
+]  # fmt: skip
 
 # (stage, fraction of the whole) -> False to cancel
 Progress = Callable[[str, float], object]
@@ -62,28 +66,81 @@ def compute(
 ) -> Result:
     """Computes descriptors at every vertex or face of a mesh, in their order.
 
-    vertices: (n, 3) real numbers, or a mesh of trimesh, PyVista or Open3D, which has its faces. The library computes
-        with 32-bit floats; a mesh farther from the origin than it is large is moved there first, so nothing is lost.
-    faces: (m, 3) triangles, (m, k) polygons, or a list of lists of any lengths: vertices counted from 0,
-        counterclockwise as seen from outside. Polygons may be concave.
-    descriptors: a name or several, of those that paradesc.descriptors() lists.
-    radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
-        "diagonal" (of the bounding box, times it), "absolute" or "mean-edge" (times it). "auto": as profile() finds it,
-        and the estimator that then errs less, unless another than "shape-operator" is asked for.
-    samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
-    uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
-    corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
-    sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
-    estimator: of curvature: "shape-operator" as fitted, "extrapolated" to radius 0, or the paper's "integral" (8, 11-14).
-    domain: "faces" measures each at its middle. map_descriptor: what operators (laplacian, harris and so on) work on.
-    backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
-    threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
-    progress: called as progress(stage, fraction); returns False to cancel. more: see options.MoreOptions.
+    Parameters
+    ----------
+    vertices : (n, 3) array_like, or a mesh of trimesh, PyVista or Open3D
+        Real numbers. A mesh of another package has its faces. The library computes with 32-bit floats; a mesh farther
+        from the origin than it is large is moved there first, so nothing is lost.
+    faces : (m, 3) or (m, k) array_like, or a sequence of sequences
+        Triangles or polygons, which may be concave: vertices counted from 0, counterclockwise as seen from outside.
+    descriptors : str or sequence of str
+        Of those that paradesc.descriptors() lists.
+    radius : float, sequence of float, or "auto"
+        Of the neighborhood that is measured. With several, values are named "mean_curvature_r0.01". "auto": as profile()
+        finds it, and the estimator that then errs less, unless another than "shape-operator" is asked for.
+    radius_unit : {"diagonal", "absolute", "mean-edge"}
+        What a radius counts: the bounding box's diagonal, the unit of the vertices, or the mean edge.
+    samples : int
+        Of the neighborhood of a vertex, at least.
+    uvs : (n, 2), (corners, 2) or (m, k, 2) array_like
+        At vertices or at corners of faces; the backends "gpu" and "software" need them.
+    corner_normals : (n, 3), (corners, 3) or (m, k, 3) array_like
+        For normals "mesh".
+    sharp_edges : (k, 2) array_like
+        Vertices of edges that are hard.
+    creases : {"auto", "marked", "none"}
+        "auto" finds more hard edges by their angles, "marked" takes sharp_edges, and "none" measures past them.
+    normals : {"fitted", "max", "mesh"}
+        Fitted to the surface, by Max (1999), or those that are given.
+    estimator : {"shape-operator", "extrapolated", "integral"}
+        Of curvature: as fitted, extrapolated to radius 0, or by the paper's integrals (8, 11-14).
+    distance : {"euclidean", "geodesic"}
+        What is near in space, or along the surface.
+    domain : {"vertices", "faces"}
+        "faces" measures each at its middle.
+    map_descriptor : str
+        What operators (laplacian, harris and so on) work on.
+    backend : {"auto", "cpu", "gpu", "software", "reference"}
+        "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
+    device_index, threads, memory_limit : int
+        Which card; how many cores, 0 is all, and values do not depend on it; bytes, 0 is half of what is free.
+    progress : callable
+        Called as progress(stage, fraction); returns False to cancel.
+    **more
+        See options.MoreOptions.
 
-    Values are float32, (n,) or (n, 3); NaN at vertices without a face, at faces without an area, and wherever else a
-    descriptor does not exist. Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
-    Errors: InputError, a ValueError, for arrays (empty ones too) and options that cannot be used; ParadescError for
-    what cannot be computed here (no such device, too little memory) or was cancelled. Each is one sentence.
+    Returns
+    -------
+    Result
+        Values of each descriptor, (n,) or (n, 3) float32, as the library computes: more digits would mean nothing. NaN
+        at vertices without a face, at faces without an area, and wherever else a descriptor does not exist.
+
+    Raises
+    ------
+    InputError
+        A ValueError: arrays (empty ones too) or options cannot be used. It is a TypeError too if no option has the name.
+    ParadescError
+        It cannot be computed here (no such device, too little memory), or was cancelled.
+
+    Warns
+    -----
+    ParadescWarning
+        Something limits the values; Result.warnings has the same sentences.
+
+    Notes
+    -----
+    Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+    >>> faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+    >>> result = compute(corners, faces, "sphere_volume", radius=0.5, radius_unit="absolute", creases="none")
+    >>> result["sphere_volume"].shape
+    (6,)
+    >>> bool(np.all(result["sphere_volume"] < 4 / 3 * np.pi * 0.5**3))
+    True
     """
     named = {
         "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
@@ -96,7 +153,8 @@ def compute(
         check_normals(settings, corner_normals)
         points, polygons = surface_of(vertices, faces)
         arrays = inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
-        return Result(face_centers.run_where_asked(arrays, settings, told, polygons.sizes))
+        results = face_centers.run_where_asked(arrays, settings, told, polygons.sizes)
+    return told_of(Result(results))
 
 
 def profile(
@@ -113,13 +171,38 @@ def profile(
 ) -> Profile:
     """Mean curvatures over radii, how much noise and the radius change them, and at which radius that is least.
 
-    vertices, faces: as compute() takes them. descriptor: "mean_curvature", the one whose standard error is known.
-    radii: two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
-    at: vertices, (j,) from 0, which the arrays are of; None: all. more: other options of compute(), such as the
-        estimator: "shape-operator" or "extrapolated".
+    Parameters
+    ----------
+    vertices, faces
+        As compute() takes them.
+    descriptor : str
+        "mean_curvature", the one whose standard error is known.
+    radii : sequence of float
+        Two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
+    at : (j,) array_like of int
+        Vertices that the arrays are of; None: all.
+    radius_unit, sharp_edges, progress, **more
+        As compute() takes them. estimator: "shape-operator" or "extrapolated".
 
-    Returns a Profile: radii (k,), values, standard_error and bias (k, n), best (n,), radius and expected, see there and
-    the manual. Errors are those of compute(), and InputError where noise is not known: by normals "mesh" and on devices.
+    Returns
+    -------
+    Profile
+        radii (k,), values, standard_error and bias (k, n), best (n,), radius and expected.
+
+    Raises
+    ------
+    InputError, ParadescError
+        As of compute(); and where noise is not known: by normals "mesh" and on devices.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> u, v = np.meshgrid(*2 * [np.linspace(-1, 1, 21)])
+    >>> heights = 0.2 * u * u + np.random.default_rng(0).normal(0, 0.003, u.shape)
+    >>> i = np.arange(20 * 21).reshape(20, 21)[:, :20].reshape(-1, 1)
+    >>> found = profile(np.stack([u, v, heights], 2).reshape(-1, 3), i + [0, 1, 22, 21])
+    >>> bool(found.standard_error[-1].mean() < found.standard_error[0].mean())
+    True
     """
     with plain_errors():
         if descriptor != balance.MEAN:
@@ -136,13 +219,29 @@ def profile(
 class Mesh:
     """A mesh that is kept for several computations: of other descriptors and radii, or of frames that move it.
 
-        with paradesc.Mesh(vertices, faces) as mesh:
-            for frame in frames:
-                mesh.positions = frame
-                result = mesh.compute("mean_curvature", 0.05, radius_unit="absolute")
-
     What does not depend on positions is made once. A frame has the very bits that compute() gives for its positions.
-    The arguments are those of compute(); errors too. Threads that use one mesh wait for each other.
+    Threads that use one mesh wait for each other.
+
+    Parameters
+    ----------
+    vertices, faces, uvs, sharp_edges, backend, device_index, threads, memory_limit
+        As compute() takes them.
+
+    Raises
+    ------
+    InputError, ParadescError
+        As of compute().
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
+    >>> with Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]) as mesh:
+    ...     for stretch in (1.0, 1.5):
+    ...         mesh.positions = corners * [1, 1, stretch]
+    ...         result = mesh.compute("euclidean_area", 0.5, radius_unit="absolute")
+    >>> len(result["euclidean_area"])
+    4
     """
 
     def __init__(
@@ -208,9 +307,25 @@ class Mesh:
         progress: Progress | None = None,
         **more: "Unpack[options.MoreOptions]",
     ) -> Result:
-        """Computes descriptors at the positions of now; arguments, values and errors are those of paradesc.compute().
+        """Computes descriptors at the positions of now.
 
         A radius in shares of the diagonal follows a mesh that grows; "absolute" is the same in all frames.
+
+        Parameters
+        ----------
+        descriptors, radius, radius_unit, samples, corner_normals, creases, normals, estimator, distance, map_descriptor, \
+progress, **more
+            As paradesc.compute() takes them.
+
+        Returns
+        -------
+        Result
+            At vertices.
+
+        Raises
+        ------
+        InputError, ParadescError
+            As of compute(); and of a mesh that is closed.
         """
         named = {
             "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
@@ -226,7 +341,8 @@ class Mesh:
             own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)
             positions = self._arrays(stream).positions
             stream.settings = job.fitted(settings, self._arrays(stream))
-            return Result(stream.compute(positions, told, own_normals))
+            results = stream.compute(positions, told, own_normals)
+        return told_of(Result(results))
 
     def close(self) -> None:
         """Frees memory and device; results stay."""
@@ -256,6 +372,13 @@ class Mesh:
         if not np.array_equal(triangles, stream.arrays.triangle_corners):
             stream.replace(moved)
         return moved
+
+
+def told_of(result: Result) -> Result:
+    """The same result, after a warning about each thing that limits its values."""
+    for sentence in result.warnings:
+        warnings.warn(sentence, ParadescWarning, stacklevel=3)  # of the caller of compute()
+    return result
 
 
 def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from dataclasses import fields
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -495,6 +496,8 @@ def test_the_manuals_code_runs(tmp_path, monkeypatch):
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     monkeypatch.chdir(tmp_path)
     trimesh.creation.icosphere(subdivisions=3).export("part.ply")
+    assert import_module("paradesc.pyvista_accessor")  # which an installed package finds by its entry point
+
     names = {}
     assert len(blocks()) >= 6
     for code in blocks():

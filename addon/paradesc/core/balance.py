@@ -51,18 +51,45 @@ class Profile:
 
     Lengths are in the unit of the vertices, and curvatures in 1 / that. n is the number of vertices, in the order that
     was asked for. NaN where a curvature or its error does not exist.
+
+    Attributes
+    ----------
+    radii : (k,)
+        From the smallest.
+    values : (k, n)
+        Mean curvatures.
+    standard_error : (k, n)
+        By noise; that of independent vertices, times what the mesh shows of it.
+    bias : (k, n)
+        By what the radius blurs, b r² or b r⁴: values less bias and noise are H0. It is noisy, and 0 if none shows.
+    best : (n,)
+        The radius of each vertex at which the expected error, both together, is least.
+    radius : float
+        That of the whole mesh.
+    expected : float
+        The root mean square of the error that is expected there.
     """
 
-    radii: Array  # (k,), from the smallest
-    values: Array  # (k, n) mean curvatures
-    standard_error: Array  # (k, n) by noise; that of independent vertices, times what the mesh shows of it
-    bias: Array  # (k, n) by what the radius blurs, b r² or b r⁴: values less bias and noise are H0. Noisy; 0 if none shows
-    best: Array  # (n,) the radius of each vertex at which the expected error, both together, is least
-    radius: float  # that of the whole mesh
-    expected: float  # the root mean square of the error that is expected there
+    radii: Array
+    values: Array
+    standard_error: Array
+    bias: Array
+    best: Array
+    radius: float
+    expected: float
 
     def at(self, vertices: Sequence[int] | NDArray[np.integer]) -> "Profile":
-        """The same of these vertices alone; the radius stays that of the whole mesh."""
+        """The same of some vertices alone; the radius stays that of the whole mesh.
+
+        Parameters
+        ----------
+        vertices : (j,) array_like of int
+            Counted from 0.
+
+        Returns
+        -------
+        Profile
+        """
         own = {name: getattr(self, name)[:, vertices] for name in ("values", "standard_error", "bias")}
         return replace(self, best=self.best[vertices], **own)
 

@@ -28,6 +28,10 @@ DEFAULTS = {field.name: field.default for field in fields(bridge.Options)}
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
 
 
+class UnknownOptionError(InputError, TypeError):
+    """Says that an argument has a name that no option has."""
+
+
 class MoreOptions(TypedDict, total=False):
     """The options that are needed less often; addon/manual/reference.md describes each."""
 
@@ -54,7 +58,7 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
     for name in given:
         if name not in known or name in ("radius", "seam_error"):
             names = ", ".join(sorted(set(known) - {"radius", "seam_error"}))
-            raise InputError(f"There is no option {shown(name)}; choose from {names}.")
+            raise UnknownOptionError(f"There is no option {shown(name)}; choose from {names}.")
     radii = radii_of(radius)
     options = {name: option_of(name, value) for name, value in given.items() if name in DEFAULTS}
     machine = {name: whole_number(name, given[name]) for name in WHOLE if name in given}

@@ -1,11 +1,13 @@
 """Holds what one computation gave: arrays by name, with their units and what limits them. Never imports bpy."""
 
+import enum
 from collections.abc import Iterator, Mapping
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bridge import abi
 from ..core import legend
 from ..core.job import Results
 from ..files.results import statistics
@@ -14,27 +16,61 @@ from .other_meshes import write_to
 AnyMesh = TypeVar("AnyMesh")
 
 
+class ParadescWarning(UserWarning):
+    """Says in one sentence what limits the values of a computation."""
+
+
+class Mask(enum.IntFlag):
+    """The bits of Result.mask."""
+
+    NO_FACE = abi.MASK_NO_FACE  # a vertex without a face, or a face without an area
+    BOUNDARY = abi.MASK_BOUNDARY  # a boundary of the mesh cuts the neighborhood
+    LOW_COVERAGE = abi.MASK_LOW_COVERAGE  # the coverage is below 0.9
+    NO_UV = abi.MASK_NO_TEXEL  # there is no place in the UV map
+
+
 class Result(Mapping[str, NDArray[np.float32]]):
     """The values at the vertices (or the faces) that were given, in their order, by the names of descriptors.
 
     Each is (n,) or, of a direction, (n, 3) float32; NaN where it does not exist. With several radii the names end with
     them: "mean_curvature_r0.01". str(result) shows the least, middle and largest of each.
+
+    Attributes
+    ----------
+    coverage : (n,) float32
+        The share of the neighborhood that was found; 1 where all was.
+    mask : (n,) uint8
+        Sums of the bits that Mask names.
+    domain : str
+        "vertices", or "faces" where all arrays are of those.
+    units : dict
+        By name: "1/length", "length^3" or "" for none; length is that of the positions.
+    radii : dict
+        By name, in units of the positions.
+    radius : float
+        The first of them.
+    corners : (k,) int32
+        Vertices that are corners, the strongest first; of the descriptor harris.
+    warnings, notes : list of str
+        Sentences about what limits the values, and about what had no effect or was done otherwise.
+    backend, device : str
+        What computed, and its name for people.
+    report : dict
+        Counts, times and settings by the names of the command line's --json.
     """
 
-    coverage: NDArray[np.float32]  # (n,) float32 share of the neighborhood that was found; 1 where all was
-    mask: NDArray[
-        np.uint8
-    ]  # (n,) uint8: 1 no face (of faces: no area), 2 cut by a boundary, 4 coverage below 0.9, 8 no place in the UV map
-    domain: str  # "vertices", or "faces" where all arrays are of those
-    units: dict[str, str]  # by name: "1/length", "length^3" or "" for none; length is that of the positions
-    radii: dict[str, float]  # by name, in units of the positions
-    radius: float  # the first of them
-    corners: NDArray[np.int32]  # (k,) int32 vertices that are corners, the strongest first; of the descriptor harris
-    warnings: list[str]  # sentences about what limits the values
-    notes: list[str]  # sentences about what had no effect, or was done otherwise
-    backend: str  # that computed
-    device: str  # its name, for people
-    report: dict[str, object]  # counts, times and settings by the names of the command line's --json
+    coverage: NDArray[np.float32]
+    mask: NDArray[np.uint8]
+    domain: str
+    units: dict[str, str]
+    radii: dict[str, float]
+    radius: float
+    corners: NDArray[np.int32]
+    warnings: list[str]
+    notes: list[str]
+    backend: str
+    device: str
+    report: dict[str, object]
 
     def __init__(self, results: Results) -> None:
         """Takes the results of a job."""
@@ -43,7 +79,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
         map_name = results.settings.options.map_descriptor
         self.units = {name: legend.unit_of(name, map_name) for name in self}
         self.radii = {name: results.radius_of(name) for name in self}
-        self.radius = results.radius
+        self.radius, self._diagonal = results.radius, float(results.mesh_report["diagonal"])
         found = results.corners
         self.corners = np.zeros(0, np.int32) if found is None else found.vertices.astype(np.int32)
         self.warnings = [*results.warnings, *results.facet_notes()]
@@ -64,17 +100,55 @@ class Result(Mapping[str, NDArray[np.float32]]):
 
     def __repr__(self) -> str:
         count = len(self.coverage)
-        lines = [f"{count:,} {self.domain}, radius {self.radius:.4g}, {self.backend} ({self.device})"]
+        share = 100 * self.radius / max(self._diagonal, np.finfo(float).tiny)
+        radius = f"radius {self.radius:.4g} ({share:.3g} % of the diagonal)"
+        lines = [f"{count:,} {self.domain}, {radius}, {self.backend} ({self.device})"]
         lines += [self._line(name) for name in self]
         lines += [f"warning: {sentence}" for sentence in self.warnings]
         return "\n".join(lines)
 
-    def to(self, mesh: AnyMesh) -> AnyMesh:
-        """Gives all values, and the coverage, to a mesh of trimesh, PyVista or Open3D with these vertices or faces.
+    def over_radii(self, descriptor: str) -> NDArray[np.float32]:
+        """The values of one descriptor at all radii.
 
-        trimesh keeps them in vertex_attributes, PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1)
-        and (n, 3); those of faces in face_attributes, cell_data and triangle. Returns the mesh. InputError: it has
-        another number of vertices or faces, or no place for values.
+        Parameters
+        ----------
+        descriptor : str
+            Its name without a radius.
+
+        Returns
+        -------
+        (k, n) or (k, n, 3) float32
+            One row for each radius, in the order in which the radii were given.
+
+        Raises
+        ------
+        KeyError
+            The descriptor was not computed.
+        """
+        names = [name for name in self if name == descriptor or name.startswith(f"{descriptor}_r")]
+        own = [name for name in names if name == descriptor or is_number(name[len(descriptor) + 2 :])]
+        if not own:
+            raise KeyError(f"{descriptor!r} was not computed; there is {', '.join(self._values)}")
+        return np.stack([self._values[name] for name in own])
+
+    def to(self, mesh: AnyMesh) -> AnyMesh:
+        """Gives all values, and the coverage, to a mesh of another package.
+
+        Parameters
+        ----------
+        mesh
+            A mesh of trimesh, PyVista or Open3D with these vertices or faces. trimesh keeps values in vertex_attributes,
+            PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1) and (n, 3); those of faces in
+            face_attributes, cell_data and triangle.
+
+        Returns
+        -------
+        The same mesh.
+
+        Raises
+        ------
+        InputError
+            It has another number of vertices or faces, or no place for values.
         """
         write_to(mesh, {**self._values, "coverage": self.coverage}, self.domain)
         return mesh
@@ -108,3 +182,11 @@ class Result(Mapping[str, NDArray[np.float32]]):
             "notes": self.notes,
             "warnings": self.warnings,
         }
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a number, as the radius that a name ends with."""
+    try:
+        return float(text) > 0
+    except ValueError:
+        return False

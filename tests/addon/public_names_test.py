@@ -1,0 +1,112 @@
+"""What the Python package offers: names, documentation whose examples run, warnings, and PyVista's accessor."""
+
+import doctest
+import inspect
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import paradesc
+from paradesc import api
+from python_api_test import torus
+
+PUBLIC = {name: getattr(paradesc, name) for name in paradesc.__all__}
+METHODS = {
+    f"{kind.__name__}.{name}": method
+    for kind in (paradesc.Mesh, paradesc.Result, paradesc.Profile)
+    for name, method in vars(kind).items()
+    if inspect.isfunction(method) and not name.startswith("_")
+}
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return torus(48, 24)[:2]
+
+
+def test_the_package_shows_what_it_offers_and_nothing_of_blender():
+    assert [name for name in dir(paradesc) if not name.startswith("__")] == sorted(paradesc.__all__)
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC) + sorted(METHODS))
+def test_everything_public_is_documented(name):
+    found = PUBLIC.get(name) or METHODS[name]
+    text = inspect.getdoc(found)
+    assert text.splitlines()[0].endswith(".")
+    if not inspect.isfunction(found):
+        return
+    names = set(inspect.signature(found).parameters) - {"self"}
+    section = re.search(r"Parameters\n-+\n(.*?)\n\n(?:Returns|Raises)\n", text, re.DOTALL)
+    described = set(re.findall(r"\w+", re.sub(r"\n    .*", "", section.group(1)))) if section else set()
+    assert names - described in (set(), {"mesh"})
+
+
+def test_examples_give_what_they_show():
+    finder = doctest.DocTestFinder()
+    runner = doctest.DocTestRunner()
+    for name in ("compute", "profile", "Mesh"):
+        for test in finder.find(getattr(api, name), name, globs=vars(api).copy()):
+            runner.run(test)
+    assert runner.tries > 15
+    assert not runner.failures
+
+
+def test_what_limits_values_is_a_warning_at_the_line_that_computes(mesh):
+    with pytest.warns(paradesc.ParadescWarning, match="mean edge") as told:
+        result = paradesc.compute(*mesh, radius=1e-3)
+    assert [str(one.message) for one in told] == result.warnings
+    assert {one.filename for one in told} == {__file__}
+    with paradesc.Mesh(*mesh) as kept, pytest.warns(paradesc.ParadescWarning) as told:
+        kept.compute(radius=1e-3)
+    assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        paradesc.compute(*mesh, radius=0.1)
+
+
+def test_an_unknown_option_is_a_type_error_too(mesh):
+    with pytest.raises(TypeError, match="There is no option 'sampels'"):
+        paradesc.compute(*mesh, sampels=3)
+    assert issubclass(paradesc.InputError, ValueError)
+
+
+def test_radii_are_an_axis(mesh):
+    result = paradesc.compute(*mesh, ["curvedness", "principal_direction_max"], radius=(0.05, 0.1))
+    assert np.array_equal(result.over_radii("curvedness"), [result["curvedness_r0.05"], result["curvedness_r0.1"]])
+    assert result.over_radii("principal_direction_max").shape == (2, len(mesh[0]), 3)
+    one = paradesc.compute(*mesh, "curvedness", radius=0.1)
+    assert np.array_equal(one.over_radii("curvedness")[0], one["curvedness"])
+    with pytest.raises(KeyError, match="curved"):
+        result.over_radii("curved")
+
+
+def test_the_radius_is_shown_as_a_length_and_as_a_share(mesh):
+    diagonal = np.linalg.norm(np.ptp(mesh[0], axis=0))
+    shown = repr(paradesc.compute(*mesh, radius=0.1))
+    assert f"radius {0.1 * diagonal:.4g} (10 % of the diagonal)" in shown
+
+
+def test_bits_of_the_mask_have_names():
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]])
+    mask = paradesc.compute(points, [[0, 1, 2]], radius=0.1).mask
+    assert paradesc.Mask(int(mask[3])) == paradesc.Mask.NO_FACE
+    assert paradesc.Mask.BOUNDARY in paradesc.Mask(int(mask[0]))
+
+
+def test_pyvista_has_an_accessor(mesh):
+    pyvista = pytest.importorskip("pyvista", "0.48")
+    from paradesc import pyvista_accessor  # of the entry point, which sources have not
+
+    assert pyvista_accessor.ParadescAccessor
+    surface = pyvista.PolyData.from_regular_faces(*mesh)
+    measured = surface.paradesc.curvature(radius=0.1)
+    assert np.array_equal(measured["mean_curvature"], paradesc.compute(*mesh, radius=0.1)["mean_curvature"])
+    assert "mean_curvature" not in surface.point_data
+    faces = surface.paradesc.compute("curvedness", 0.1, domain="faces")
+    assert len(faces.cell_data["curvedness"]) == surface.n_cells
+    assert faces.active_scalars_name == "curvedness"
+    found = doctest.DocTestFinder().find(pyvista_accessor.ParadescAccessor, "accessor", globs=vars(pyvista_accessor).copy())
+    runner = doctest.DocTestRunner()
+    assert not [one for one in (runner.run(test) for test in found) if one.failed]
