@@ -11,8 +11,19 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import Descriptor, InputError, Mask, Mesh, ParadescError, ParadescWarning, Profile, Result
-    from .api import compute, descriptors, profile
+    from .api import (
+        Descriptor,
+        InputError,
+        Mask,
+        Mesh,
+        ParadescError,
+        ParadescWarning,
+        Profile,
+        Result,
+        compute,
+        descriptors,
+        profile,
+    )
 
 __all__ = [
     "Descriptor", "InputError", "Mask", "Mesh", "ParadescError", "ParadescWarning", "Profile", "Result",

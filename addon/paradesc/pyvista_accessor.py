@@ -23,7 +23,9 @@ class ParadescAccessor:
     def __init__(self, mesh: "pyvista.PolyData") -> None:
         self._mesh = mesh
 
-    def compute(self, descriptors: "str | Sequence[str]" = ("mean_curvature",), radius: Any = 0.02, **options: Any) -> Any:
+    def compute(
+        self, descriptors: "str | Sequence[str]" = ("mean_curvature",), radius: Any = 0.02, **options: Any
+    ) -> Any:
         """A copy of the surface that has the values, as point_data or, with domain="faces", as cell_data.
 
         Parameters

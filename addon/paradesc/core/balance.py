@@ -137,7 +137,9 @@ def blurring(estimator: str) -> str:
 
 def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
     """The settings that compute what a profile is made of, at these lengths."""
-    options = replace(settings.options, radius=radii[0], radius_unit="absolute", estimator=blurring(settings.options.estimator))
+    options = replace(
+        settings.options, radius=radii[0], radius_unit="absolute", estimator=blurring(settings.options.estimator)
+    )
     options = replace(options, evaluate="vertex", seam_error=False)
     more = tuple(radii[1:])
     return replace(settings, descriptors=(MEAN, ERROR), options=options, more_radii=more, radius_fit="typed")
