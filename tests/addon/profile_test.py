@@ -117,6 +117,13 @@ def test_extrapolation_takes_what_the_radius_blurs_away():
     assert errors[1] < 0.15 * errors[0]
 
 
+@pytest.mark.parametrize(("estimator", "power"), [("shape-operator", 2), ("extrapolated", 4)])
+def test_bias_grows_with_the_power_of_the_radius_that_the_estimator_leaves(rough, estimator, power):
+    found = paradesc.profile(torus(96, 40)[0], rough[1], radii=(0.06, 0.12, 0.16), estimator=estimator)
+    sizes = np.abs(found.bias).mean(axis=1)
+    assert sizes[2] / sizes[1] == pytest.approx((0.16 / 0.12) ** power, rel=1e-6)
+
+
 def test_coarse_meshes_have_an_auto_radius_too():
     cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
     faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
