@@ -1,4 +1,4 @@
-// Creases by cells of a grid as wide as they reach.
+// Creases by cells of grids as wide as they reach, a grid for each component: a place sees those of its own alone.
 #include "engine/creases/near.h"
 
 #include <algorithm>
@@ -10,56 +10,71 @@
 
 namespace paradesc {
 
-constexpr double last_cell = (1 << 21) - 1; // along a side
-
-NearCreases::NearCreases(const CreasedSurface &surface, double radius)
-    : surface_(surface), radius_(radius), cell_(CREASE_REACH * radius) {
-  const std::vector<int32_t> &edges = surface.creases.edges;
-  dvec3 low(std::numeric_limits<double>::max()), high(-low);
-  for (const int32_t edge : edges)
-    for (const int32_t corner : {edge, next_corner(edge)}) {
-      low = glm::min(low, dvec3(surface.triangles.position(corner)));
-      high = glm::max(high, dvec3(surface.triangles.position(corner)));
-    }
-  constexpr double most_cells = 128; // along a side: creases may be long against the radius
-  constexpr double above_0 = std::numeric_limits<double>::min(); // of surfaces that are one point
-  cell_ = std::max({cell_, glm::length(high - low) / most_cells, above_0});
-  low_ = low - 2.0 * cell_;
-  for (const int32_t edge : edges) add_edge(edge);
-  std::sort(edges_.begin(), edges_.end());
-  edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
-}
-
-// Three whole numbers.
-dvec3 NearCreases::cell_at(dvec3 position) const { return glm::clamp(glm::floor((position - low_) / cell_), 0.0, last_cell); }
+static constexpr double most_cells = 128; // along a side: creases may be long against the radius
 
 static uint64_t number_of(dvec3 cell) {
-  return (static_cast<uint64_t>(cell.x) << 42) | (static_cast<uint64_t>(cell.y) << 21) | static_cast<uint64_t>(cell.z);
+  return (static_cast<uint64_t>(cell.x) << 16) | (static_cast<uint64_t>(cell.y) << 8) | static_cast<uint64_t>(cell.z);
 }
 
-// To all cells within reach of it, piece by piece.
-void NearCreases::add_edge(int32_t edge) {
+NearCreases::NearCreases(const CreasedSurface &surface, double radius) : surface_(surface), radius_(radius) {
+  const std::vector<int32_t> &piece = surface.half_edges.triangle_piece;
+  std::vector<int32_t> edges = surface.creases.edges;
+  std::ranges::stable_sort(edges, {}, [&](int32_t edge) { return piece[edge / 3]; });
+  grids_.resize(edges.empty() ? 0 : static_cast<size_t>(piece[edges.back() / 3]) + 1);
+  for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+    const int32_t own = piece[edges[begin] / 3];
+    while (end < edges.size() && piece[edges[end] / 3] == own) ++end;
+    if (own >= 0) fill(grids_[own], edges, begin, end);
+  }
+}
+
+void NearCreases::fill(Grid &grid, const std::vector<int32_t> &edges, size_t begin, size_t end) {
+  constexpr double above_0 = std::numeric_limits<double>::min(); // of surfaces that are one point
+  grid.low = dvec3(std::numeric_limits<double>::max());
+  grid.high = -grid.low;
+  for (size_t i = begin; i < end; ++i)
+    for (const int32_t corner : {edges[i], next_corner(edges[i])}) {
+      const dvec3 position(surface_.triangles.position(corner));
+      grid.low = glm::min(grid.low, position);
+      grid.high = glm::max(grid.high, position);
+    }
+  grid.cell = std::max({CREASE_REACH * radius_, glm::length(grid.high - grid.low) / most_cells, above_0});
+  grid.begin = entries_.size();
+  for (size_t i = begin; i < end; ++i) add_edge(grid, edges[i]);
+  const auto first = entries_.begin() + static_cast<ptrdiff_t>(grid.begin);
+  std::sort(first, entries_.end());
+  entries_.erase(std::unique(first, entries_.end()), entries_.end());
+  grid.end = entries_.size();
+}
+
+// To all cells within reach of it, piece by piece. Cells end where creases do: a place beyond is nearer to all of them from the side
+// of their box.
+void NearCreases::add_edge(const Grid &grid, int32_t edge) {
   const double reach = CREASE_REACH * radius_;
   const dvec3 begin(surface_.triangles.position(edge)), way = dvec3(surface_.triangles.position(next_corner(edge))) - begin;
-  const int pieces = 1 + static_cast<int>(glm::length(way) / cell_);
+  const int pieces = 1 + static_cast<int>(glm::length(way) / grid.cell);
   for (int i = 0; i < pieces; ++i) {
     const dvec3 a = begin + way * (static_cast<double>(i) / pieces), b = begin + way * (static_cast<double>(i + 1) / pieces);
-    const dvec3 low = cell_at(glm::min(a, b) - reach), high = cell_at(glm::max(a, b) + reach);
+    const dvec3 low = grid.cell_at(glm::min(a, b) - reach), high = grid.cell_at(glm::max(a, b) + reach);
     for (double x = low.x; x <= high.x; ++x)
       for (double y = low.y; y <= high.y; ++y)
-        for (double z = low.z; z <= high.z; ++z) edges_.push_back({number_of({x, y, z}), edge});
+        for (double z = low.z; z <= high.z; ++z)
+          entries_.push_back((number_of({x, y, z}) << 32) | static_cast<uint32_t>(edge));
   }
 }
 
 bool NearCreases::reach(dvec3 position, int32_t triangle) const {
-  const std::vector<int32_t> &piece = surface_.half_edges.triangle_piece;
-  const uint64_t cell = number_of(cell_at(position));
+  const auto piece = static_cast<size_t>(surface_.half_edges.triangle_piece[triangle]);
+  if (piece >= grids_.size() || grids_[piece].begin == grids_[piece].end) return false;
+  const Grid &grid = grids_[piece];
+  const uint64_t cell = number_of(grid.cell_at(position));
   const auto from_here = [&](int32_t corner) { return dvec3(surface_.triangles.position(corner)) - position; };
-  for (auto item = std::lower_bound(edges_.begin(), edges_.end(), Edge{cell, -1}); item != edges_.end() && item->cell == cell;
-       ++item)
-    if (piece[item->edge / 3] == piece[triangle] &&
-        segment_distance(from_here(item->edge), from_here(next_corner(item->edge))) < CREASE_REACH * radius_)
-      return true;
+  const auto end = entries_.begin() + static_cast<ptrdiff_t>(grid.end);
+  for (auto item = std::lower_bound(entries_.begin() + static_cast<ptrdiff_t>(grid.begin), end, cell << 32);
+       item != end && *item >> 32 == cell; ++item) {
+    const auto edge = static_cast<int32_t>(*item & 0xffffffff);
+    if (segment_distance(from_here(edge), from_here(next_corner(edge))) < CREASE_REACH * radius_) return true;
+  }
   return false;
 }
 

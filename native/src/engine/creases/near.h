@@ -14,19 +14,21 @@ public:
   bool reach(dvec3 position, int32_t triangle) const; // whether one of its component is near enough
 
 private:
-  struct Edge {
-    uint64_t cell;
-    int32_t edge;
-    auto operator<=>(const Edge &) const = default;
+  // The creases of one component, by cells of the box around them.
+  struct Grid {
+    dvec3 low{0}, high{0};
+    double cell = 0;
+    size_t begin = 0, end = 0; // of its entries
+    dvec3 cell_at(dvec3 position) const { return glm::floor((glm::clamp(position, low, high) - low) / cell); }
   };
 
-  void add_edge(int32_t edge);
-  dvec3 cell_at(dvec3 position) const;
+  void fill(Grid &grid, const std::vector<int32_t> &edges, size_t begin, size_t end);
+  void add_edge(const Grid &grid, int32_t edge);
 
   CreasedSurface surface_;
-  double radius_, cell_;
-  dvec3 low_{0};
-  std::vector<Edge> edges_; // in their order
+  double radius_;
+  std::vector<Grid> grids_;       // (components)
+  std::vector<uint64_t> entries_; // cell and edge, those of each component in their order
 };
 
 } // namespace paradesc
