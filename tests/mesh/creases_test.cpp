@@ -53,6 +53,39 @@ TEST(Creases, prisms_have_all_of_their_edges) {
   for (const int sides : {3, 4, 5, 6}) expect_all(prism(sides), 3 * sides);
 }
 
+Triangles gable(float depth) {
+  const float x = depth / 2;
+  return shape({{-x, -0.36f, 0}, {-x, 0.36f, 0}, {-x, 0, 0.32f}, {x, -0.36f, 0}, {x, 0.36f, 0}, {x, 0, 0.32f}},
+               {0, 2, 1, 3, 4, 5, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5});
+}
+
+Triangles slanted_beam(float length, float slant) {
+  Triangles beam = box(1);
+  for (vec3 &p : beam.positions) p = {length * p.x, p.y, p.z + slant * length * p.x};
+  return beam;
+}
+
+TEST(Creases, a_roof_of_one_triangle_a_gable_has_all_of_its_edges) {
+  for (const float depth : {0.25f, 0.5f, 1.0f, 2.0f}) expect_all(gable(depth), 9);
+}
+
+TEST(Creases, a_beam_that_is_cut_at_a_slant_has_all_of_its_edges) {
+  for (const float slant : {0.25f, 0.5f})
+    for (const float length : {0.5f, 1.0f, 2.0f, 4.0f}) expect_all(slanted_beam(length, slant), 12);
+}
+
+TEST(Creases, corners_are_found_under_noise) {
+  for (unsigned seed = 0; seed < 5; ++seed)
+    for (const auto &[solid, edges] : {std::pair(gable(1), 9), std::pair(slanted_beam(2, 0.5f), 12)}) {
+      Triangles noisy = solid;
+      const auto most = static_cast<float>(0.01 * diagonal_of(noisy));
+      std::mt19937 generator(seed);
+      std::uniform_real_distribution<float> noise(-most, most);
+      for (vec3 &p : noisy.positions) p += vec3(noise(generator), noise(generator), noise(generator));
+      EXPECT_EQ(find(noisy).edges, edges) << seed;
+    }
+}
+
 TEST(Creases, a_bevel_of_one_segment_has_both_of_its_edges) {
   for (const double width : {0.02, 0.1}) expect_all(bevelled_box(width), 48);
 }
@@ -103,6 +136,17 @@ TestMesh moved_torus(int columns, int rows, double most) {
     }
   mesh.vertex_count = columns * rows;
   return mesh;
+}
+
+// Some triangles there have three edges of 60 degrees the same way.
+TEST(Creases, triangles_that_noise_lifts_are_none) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    TestMesh noisy = moved_torus(224, 90, 0.2);
+    std::mt19937 generator(seed);
+    std::normal_distribution<float> noise(0, 0.01f); // three tenths of an edge
+    for (float &x : noisy.positions) x += noise(generator);
+    EXPECT_EQ(find(noisy).edges, 0) << seed;
+  }
 }
 
 TEST(Creases, folded_triangles_are_none) {

@@ -20,6 +20,7 @@ namespace {
 constexpr double degree = pi / 180;
 constexpr double least_bend = 19.9 * degree; // 20, as rounded positions have it
 constexpr double least_hard_bend = 50 * degree;
+constexpr double least_corner_bend = 60 * degree, most_corner_bend = 150 * degree; // beyond it the surface is folded
 constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5; // times as much as what bends beside an edge
 constexpr double reach = 3;                                         // of the width of the narrower triangle
 constexpr double flat = 0.3;                                        // of the edge's bend: what the search goes on over
@@ -27,7 +28,7 @@ constexpr size_t max_searched = 24;                                 // triangles
 constexpr double least_gap_bend = 0.5;                              // of the line's at its end
 constexpr double least_straight = 0.8;                              // cosine of a turn along a line in a gap
 constexpr double line_reach = 4;                                    // mean edges of a line
-constexpr double polyhedron = 8;                                    // times as much as all other edges
+constexpr double polyhedron = 8, corners = 2;                       // times as much as all other edges
 constexpr double least_net = 0.75;                                  // of a line's bends
 constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
 constexpr int least_line = 16; // edges, of a line in any other surface
@@ -57,14 +58,28 @@ public:
     const double left = most_bent(half_edge, bend, distance, both_sides), right = most_bent(twin, bend, distance, both_sides);
     if (size >= both_sides * std::max(left, right)) return true;
     const auto is_bevel = [&](double most, int other) { // the side that is flat, and the other one, where no bend takes it back
-      return size >= one_side * most && size >= both_sides * most_bent(other, bend, distance, both_sides, true);
+      return size >= one_side * most && size >= both_sides * most_bent(other, bend, distance, both_sides, Which::back);
     };
     if (is_bevel(left, twin) || is_bevel(right, half_edge)) return true;
-    const auto own = [&](int edge) { return most_bent(edge, bend, -1, own_triangles); };
-    return size >= least_hard_bend && size >= own_triangles * std::max(own(half_edge), own(twin));
+    return size >= least_hard_bend && size >= own_triangles * most_of_own(half_edge, bend, Which::all);
+  }
+
+  // Of those that do not: whether only edges that may meet this one at a corner of a solid hide it, at whatever angle.
+  bool may_meet_others(int half_edge) const {
+    const double bend = bend_of(half_edge);
+    return is_corner(bend) && std::abs(bend) >= own_triangles * most_of_own(half_edge, bend, Which::no_corner);
   }
 
 private:
+  enum class Which { all, back, no_corner }; // back: those alone that bend the other way
+
+  static bool is_corner(double bend) { return std::abs(bend) >= least_corner_bend && std::abs(bend) <= most_corner_bend; }
+
+  double most_of_own(int half_edge, double bend, Which which) const {
+    const auto own = [&](int edge) { return most_bent(edge, bend, -1, own_triangles, which); };
+    return std::max(own(half_edge), own(half_edges_.twin[half_edge]));
+  }
+
   double bend_of(int half_edge) const { return paradesc::bend_of(triangles_, half_edges_, normals_, half_edge); }
 
   // It bends no more than that, which is told without the angle: below a quarter of a turn, that is over its chord by less than a
@@ -109,9 +124,9 @@ private:
   }
 
   // The most that an edge beside this one, which bends by bend_here, bends along it, on the side of this half-edge; distance
-  // below 0: of its own triangle's edges; back: those alone that bend the other way. Of what is above that bend, so many times,
-  // any will do, and what no factor brings there counts as nothing.
-  double most_bent(int half_edge, double bend_here, double distance, double times, bool back = false) const {
+  // below 0: of its own triangle's edges. Of what is above that bend, so many times, any will do, and what no factor brings there
+  // counts as nothing.
+  double most_bent(int half_edge, double bend_here, double distance, double times, Which which = Which::all) const {
     const double own_bend = std::abs(bend_here);
     const dvec3 begin = corner_position(triangles_, half_edge),
                 along = corner_position(triangles_, next_corner(half_edge)) - begin;
@@ -134,7 +149,9 @@ private:
           if (high * cosine > counts || !is_flat) {
             const double signed_bend = bend_of(edge), bend = std::abs(signed_bend);
             is_flat = bend < flat * own_bend;
-            if (!back || (signed_bend < 0) != (bend_here < 0)) most = std::max(most, bend * cosine);
+            const bool is_back = (signed_bend < 0) != (bend_here < 0);
+            const bool is_left_out = which == Which::back ? !is_back : which == Which::no_corner && !is_back && is_corner(bend);
+            if (!is_left_out) most = std::max(most, bend * cosine);
             if (times * most > own_bend) return most;
           }
         }
@@ -200,6 +217,10 @@ bool goes_on(const EdgeLine &line, const Turning &turning) {
   return turning.net >= least * turning.edges && (line.edges >= least_line || line.ends == 0 || purity >= polyhedron);
 }
 
+bool goes_on_at_corners(const EdgeLine &line, const Turning &turning) {
+  return goes_on(line, turning) && turning.edges >= corners * turning.others;
+}
+
 } // namespace
 
 Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges) {
@@ -245,18 +266,38 @@ static std::vector<int32_t> bent_edges(const HalfEdges &half_edges, std::span<co
   return bent;
 }
 
+// The kept ones, and those of the edges whose lines are agreed. edges: ascending.
+static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals,
+                          const std::vector<int32_t> &edges, const Creases &kept, JudgePlace judge, int threads) {
+  std::vector<int32_t> all;
+  std::ranges::set_union(edges, kept.edges, std::back_inserter(all));
+  const Creases creases = creases_along(half_edges, std::move(all));
+  const EdgeLines lines =
+      judge_lines(triangles, half_edges, creases.edges, creases.half_edge, normals, 0, line_reach, judge, threads);
+  return creases_of_lines(half_edges, creases, lines, kept);
+}
+
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads) {
   const Creases marked = marked_creases(triangles, half_edges);
   const Surroundings surroundings(triangles, half_edges, normals);
-  std::vector<std::vector<int32_t>> found(static_cast<size_t>(triangles.triangle_count / block_size + 1)); // block by block
+  struct Found {
+    std::vector<int32_t> edges, hidden; // the latter: which may meet others at corners
+  };
+  std::vector<Found> found(static_cast<size_t>(triangles.triangle_count / block_size + 1)); // block by block
   parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
-    std::vector<int32_t> bent = bent_edges(half_edges, normals, begin, end);
-    std::erase_if(bent, [&](int32_t edge) { return !surroundings.stands_out(edge); });
-    found[begin / block_size] = std::move(bent);
+    Found &here = found[begin / block_size];
+    for (const int32_t edge : bent_edges(half_edges, normals, begin, end))
+      if (surroundings.stands_out(edge))
+        here.edges.push_back(edge);
+      else if (surroundings.may_meet_others(edge))
+        here.hidden.push_back(edge);
   });
-  std::vector<int32_t> edges;
-  for (const std::vector<int32_t> &some : found) edges.insert(edges.end(), some.begin(), some.end());
-  if (edges.empty()) return marked;
+  std::vector<int32_t> edges, hidden;
+  for (const Found &some : found) {
+    edges.insert(edges.end(), some.edges.begin(), some.edges.end());
+    hidden.insert(hidden.end(), some.hidden.begin(), some.hidden.end());
+  }
+  if (edges.empty() && hidden.empty()) return marked;
   const Gaps gaps(triangles, half_edges, normals, edges);
   for (size_t i = 0, count = edges.size(); i < count; ++i) {
     checkpoint_at(i);
@@ -265,12 +306,11 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   }
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  std::vector<int32_t> all;
-  std::ranges::set_union(edges, marked.edges, std::back_inserter(all));
-  const Creases creases = creases_along(half_edges, std::move(all));
-  const EdgeLines lines =
-      judge_lines(triangles, half_edges, creases.edges, creases.half_edge, normals, 0, line_reach, goes_on, threads);
-  return creases_of_lines(half_edges, creases, lines, marked);
+  const Creases kept = with_lines(triangles, half_edges, normals, edges, marked, goes_on, threads);
+  if (hidden.empty()) return kept;
+  std::vector<int32_t> both;
+  std::ranges::set_union(edges, hidden, std::back_inserter(both));
+  return with_lines(triangles, half_edges, normals, both, kept, goes_on_at_corners, threads);
 }
 
 Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked) {

@@ -31,7 +31,9 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 // Unmarked edges that hang together are a line. Within four of its edges around it, a line of a polyhedron bends eight times as
 // much as all other edges. Any other line has 16 edges at least, and what it bends is not taken back beside it, as a step of a
 // staircase, a needle and a fold are. Edges of noise are as bent as their neighbors, and those of a coarse smooth surface are,
-// too. normals: (triangle_count) round_steady_normals.
+// too. At a corner of a solid that is no right one, edges of one triangle hide each other. Such ones, of 60 to 150 degrees the
+// same way, do not count beside each other where all of their line bends twice as much as all other edges around it, which no
+// line in noise does. normals: (triangle_count) round_steady_normals.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
 // Those of lines that are agreed, and the marked ones. lines: of the creases' edges.
