@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -266,15 +267,42 @@ static std::vector<int32_t> bent_edges(const HalfEdges &half_edges, std::span<co
   return bent;
 }
 
+static std::vector<int32_t> union_of(const std::vector<int32_t> &a, const std::vector<int32_t> &b) {
+  std::vector<int32_t> all;
+  std::ranges::set_union(a, b, std::back_inserter(all));
+  return all;
+}
+
 // The kept ones, and those of the edges whose lines are agreed. edges: ascending.
 static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals,
                           const std::vector<int32_t> &edges, const Creases &kept, JudgePlace judge, int threads) {
-  std::vector<int32_t> all;
-  std::ranges::set_union(edges, kept.edges, std::back_inserter(all));
-  const Creases creases = creases_along(half_edges, std::move(all));
-  const EdgeLines lines =
-      judge_lines(triangles, half_edges, creases.edges, creases.half_edge, normals, 0, line_reach, judge, threads);
-  return creases_of_lines(half_edges, creases, lines, kept);
+  const Creases chosen = creases_along(half_edges, union_of(edges, kept.edges));
+  const EdgeLines lines = judge_lines(triangles, half_edges, edges, chosen.half_edge, normals, 0, line_reach, judge, threads);
+  std::vector<int32_t> agreed;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    if (lines.line[lines.line_of[i]].is_agreed()) agreed.push_back(edges[i]);
+  }
+  return creases_along(half_edges, union_of(agreed, kept.edges));
+}
+
+// The hidden edges, and those that hang together with one: all other lines are judged already.
+static std::vector<int32_t> joined_by(const HalfEdges &half_edges, const std::vector<int32_t> &edges,
+                                      const std::vector<int32_t> &hidden) {
+  std::vector<int32_t> parent(static_cast<size_t>(half_edges.point_count));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&](int32_t edge) {
+    int32_t point = half_edges.corner_point[edge];
+    while (parent[point] != point) point = parent[point] = parent[parent[point]];
+    return point;
+  };
+  for (const std::vector<int32_t> *const some : {&edges, &hidden})
+    for (const int32_t edge : *some) parent[root_of(next_corner(edge))] = root_of(edge);
+  std::vector<uint8_t> has_hidden(parent.size(), 0);
+  for (const int32_t edge : hidden) has_hidden[root_of(edge)] = 1;
+  std::vector<int32_t> joined = union_of(edges, hidden);
+  std::erase_if(joined, [&](int32_t edge) { return has_hidden[root_of(edge)] == 0; });
+  return joined;
 }
 
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads) {
@@ -306,11 +334,10 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   }
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges = union_of(edges, marked.edges);
   const Creases kept = with_lines(triangles, half_edges, normals, edges, marked, goes_on, threads);
   if (hidden.empty()) return kept;
-  std::vector<int32_t> both;
-  std::ranges::set_union(edges, hidden, std::back_inserter(both));
-  return with_lines(triangles, half_edges, normals, both, kept, goes_on_at_corners, threads);
+  return with_lines(triangles, half_edges, normals, joined_by(half_edges, edges, hidden), kept, goes_on_at_corners, threads);
 }
 
 Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked) {
