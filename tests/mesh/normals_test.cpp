@@ -141,6 +141,12 @@ TEST(Normals, fitted_are_no_farther_off_than_max_under_noise) {
   }
 }
 
+// Fits to coarse rings leave more of what bends within them than small noise would.
+TEST(Normals, of_a_coarse_surface_stay_fitted) {
+  EXPECT_LT(angle_error(torus(1, 0.4, {.vertices = 300}), PDESC_NORMALS_FITTED).mean, 5); // the mean of faces alone: 7
+  EXPECT_LT(angle_error(torus(1, 0.4, {.vertices = 500}), PDESC_NORMALS_FITTED).mean, 1.8);
+}
+
 // Vertices lie off every smooth fit by a third of an edge, and the areas of triangles differ.
 TEST(Normals, of_a_rough_surface_are_the_mean_of_the_faces_around_by_area) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 6000});
