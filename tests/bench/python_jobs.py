@@ -27,6 +27,14 @@ def paradesc(vertices: np.ndarray, faces: np.ndarray, radius: float) -> Found:
     return result["mean_curvature"], result["gaussian_curvature"]
 
 
+def paradesc_auto(vertices: np.ndarray, faces: np.ndarray, radius: float) -> Found:
+    """Paradesc, at the radius and by the estimator that it chooses itself."""
+    import paradesc
+
+    result = paradesc.compute(vertices, faces, ["mean_curvature", "gaussian_curvature"], "auto")
+    return result["mean_curvature"], result["gaussian_curvature"]
+
+
 def libigl_rings(vertices: np.ndarray, faces: np.ndarray, radius: float, rings: int) -> Found:
     """libigl's quadrics, fitted to rings of the mesh."""
     import igl
@@ -139,6 +147,7 @@ NO_SIZE, NO_DIRECTIONS = "a size", "directions"
 TWO_PASSES = "H and K in one pass"
 JOBS: dict[str, Job] = {
     "paradesc": Job("Paradesc", "paradesc", paradesc, "a radius", same_radius=True),
+    "paradesc_auto": Job("Paradesc, `radius=\"auto\"`", "paradesc", paradesc_auto, "a radius of its choice"),
     "libigl2": Job("libigl, 2 rings", "libigl", partial(libigl_rings, rings=2), "2 rings", "a size in lengths"),
     "libigl5": Job("libigl, 5 rings", "libigl", partial(libigl_rings, rings=5), "5 rings", "a size in lengths"),
     "libigl_ball": Job("libigl, ball", "libigl", libigl_ball, "whole mean edges", "a size in lengths"),
@@ -157,6 +166,13 @@ JOBS: dict[str, Job] = {
         "pymeshlab",
         partial(pymeshlab_apss, scale=8),
         "8 × the distance of vertices",
+        f"a size in lengths, {TWO_PASSES}, {NO_DIRECTIONS}",
+    ),
+    "pymeshlab_apss16": Job(
+        "PyMeshLab, APSS, scale 16",
+        "pymeshlab",
+        partial(pymeshlab_apss, scale=16),
+        "16 × the distance of vertices",
         f"a size in lengths, {TWO_PASSES}, {NO_DIRECTIONS}",
     ),
     "pymeshlab_discrete": Job(

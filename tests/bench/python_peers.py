@@ -175,16 +175,32 @@ def versions(jobs: dict[str, Job]) -> dict[str, str]:
     return found
 
 
-def content(arguments: argparse.Namespace, command: str) -> dict[str, object]:
-    """Measures everything: the content of the JSON file."""
-    stamp = {"device": "CPU alone", **run.where_and_when(command), "versions": versions(JOBS)}
-    makers = {"torus": partial(torus, peer_parts.PEER_MESH)} | ({} if arguments.quick else {"bunny": bunny})
+def made(quick: bool) -> tuple[dict[str, Case], dict[str, str]]:
+    """The meshes, and why some are missing."""
+    makers = {"torus": partial(torus, peer_parts.PEER_MESH)} | ({} if quick else {"bunny": bunny})
     cases, lacking = {}, {}
     for name, maker in makers.items():
         try:
             cases[name] = maker()
         except MissingError as error:
             lacking[name] = str(error)
+    return cases, lacking
+
+
+def add_rough(found: dict[str, object]) -> dict[str, str]:
+    """Adds to what is kept: jobs that are new, and errors on what is not smooth. Gives why any are missing."""
+    rows, lacking = found["rows"], {}
+    if new := {name: job for name, job in JOBS.items() if name not in rows}:
+        measured, lacking = measure(made(False)[0], new, 1)
+        rows.update(measured)
+    rough_errors(JOBS, rows, lacking)
+    return lacking
+
+
+def content(arguments: argparse.Namespace, command: str) -> dict[str, object]:
+    """Measures everything: the content of the JSON file."""
+    stamp = {"device": "CPU alone", **run.where_and_when(command), "versions": versions(JOBS)}
+    cases, lacking = made(arguments.quick)
     rows, reasons = measure(cases, JOBS, 1 if arguments.quick else peer_parts.TURNS)
     if not arguments.quick:
         rough_errors(JOBS, rows, reasons)
@@ -203,9 +219,7 @@ def main(words: list[str] | None = None) -> int:
     given = sys.argv[1:] if words is None else words
     if arguments.rough:
         found = json.loads((results / speed_page.PYTHON).read_text())
-        lacking: dict[str, str] = {}
-        rough_errors(JOBS, found["rows"], lacking)
-        parts.say("".join(f"{reason}\n" for reason in lacking.values()))
+        parts.say("".join(f"{reason}\n" for reason in add_rough(found).values()))
     else:
         found = content(arguments, " ".join(["python tests/bench/python_peers.py", *given]))
     kept = arguments.json or (None if arguments.quick else results / speed_page.PYTHON)

@@ -16,6 +16,19 @@ PYTHON_START = "<!-- packages: written by tests/bench/python_peers.py --page -->
 PYTHON_END = "<!-- end of packages -->"
 QUICK, CARD, PLOT, PYTHON = "quick.json", "gpu.json", "peers.png", "python_peers.json"
 WAYS = ("fewest", "at_256", "one_core")  # in which frames of the bunny are timed beside other programs
+# The same program as a Python package, which has errors on surfaces that are not smooth, by its label in README's table.
+PACKAGE_OF = {
+    "Paradesc, CPU, 256 samples": "paradesc",
+    "VTK, mean curvature": "pyvista",
+    "PyMeshLab, discrete": "pymeshlab_discrete",
+    "PyMeshLab, scale-dependent quadric, the same radius": "pymeshlab_quadric",
+    "libigl, 2 rings": "libigl2",
+    "libigl, 5 rings": "libigl5",
+    "MeshLab's APSS, scale 4": "pymeshlab_apss4",
+    "MeshLab's APSS, scale 8": "pymeshlab_apss8",
+    "trimesh, ball measure, the same radius": "trimesh",
+}
+BESIDE = {"paradesc_auto": "**Paradesc, radius chosen by itself**", "pymeshlab_apss16": "MeshLab's APSS, scale 16"}
 
 
 def write(results: Path, root: Path | None) -> None:
@@ -27,7 +40,7 @@ def write(results: Path, root: Path | None) -> None:
         drawn = plot(found, results / PLOT)
         lines += ratio_lines(found) + peer_lines(found, f"results/{PLOT}" if drawn else "") + stage_lines(found)
         if root:
-            fill(root / "README.md", readme_lines(found))
+            fill(root / "README.md", readme_lines(found, packages))
     else:
         lines += ["The ratios have not been measured yet: `--quick --page`.", ""]
     lines += card_lines(stored(results / CARD))
@@ -245,21 +258,38 @@ def plot(found: dict, path: Path) -> bool:
     return True
 
 
-def readme_lines(found: dict) -> list[str]:
+def rough_heads(packages: dict | None) -> list[str]:
+    """The surfaces that are not smooth, on which any package was measured."""
+    rows = packages["rows"].values() if packages else ()
+    return list(dict.fromkeys(name for row in rows for name in row.get("rough", {})))
+
+
+def rough_cells(row: dict, heads: list[str]) -> list[str]:
+    """Errors of H there; a dash where there is none."""
+    return [percent(row.get("rough", {}).get(name, {}).get("error_mean")) for name in heads]
+
+
+def readme_lines(found: dict, packages: dict | None = None) -> list[str]:
     """What README shows: each program once, time beside error, and the lead over the baseline on large meshes."""
+    heads, rows = rough_heads(packages), packages["rows"] if packages else {}
     lines = [
         "Mean curvature of the Stanford bunny (69,451 triangles, radius 2 % of the diagonal) on two CPU cores, without"
-        " a graphics card. Times are whole frames; the error is the mean against the closed form on a torus.",
+        " a graphics card. Times are whole frames; the error is the mean against the closed form on a torus, clean and"
+        " as scanners, segmentations and remeshers leave it.",
         "",
-        "| | ms | error % |",
-        "| --- | ---: | ---: |",
+        f"| | {' | '.join(['ms', 'error %', *heads])} |",
+        "| --- |" + " ---: |" * (2 + len(heads)),
     ]
     for label, seconds, _, closed, note in peer_rows(found, ("at_256",)):
         if closed and closed > 100:
             continue  # in another unit
         bold = "**" if label.startswith("Paradesc") else ""
         name = label + (f" ({note})" if note.startswith("extrapolated") else "")
-        lines.append(f"| {bold}{name}{bold} | {1e3 * seconds:.0f} | {percent(closed)} |")
+        rough = rough_cells(rows.get(PACKAGE_OF.get(label, ""), {}), heads)
+        lines.append(f"| {' | '.join([bold + name + bold, f'{1e3 * seconds:.0f}', percent(closed), *rough])} |")
+    for row, label in [(rows[name], label) for name, label in BESIDE.items() if name in rows]:
+        cells = [f"{1e3 * row['bunny']['seconds']:.0f}", percent(row["torus"]["error_mean"]), *rough_cells(row, heads)]
+        lines.append(f"| {' | '.join([label, *cells])} |")
     return [*lines, "", *growth_lines(found), *stamp_lines(found)]
 
 
@@ -329,12 +359,12 @@ def manual_lines(found: dict) -> list[str]:
     """What the manual shows: time on the last mesh, and errors on the first, which has a closed form."""
     first, *_, last = list(found["meshes"]) * 2
     rows = python_rows(found)
-    heads = list(dict.fromkeys(name for row in rows for name in row.get("rough", {})))
+    heads = rough_heads(found)
     head = ["lines of code", f"{last}, ms", "H, error %", "K, error %", *heads, "measured over"]
     lines = ["", f"| | {' | '.join(head)} |"]
     lines.append("| --- |" + " ---: |" * (4 + len(heads)) + " --- |")
     for row in rows:
-        rough = [percent(row.get("rough", {}).get(name, {}).get("error_mean")) for name in heads]
+        rough = rough_cells(row, heads)
         errors = [percent(row[first][f"error_{name}"]) for name in ("mean", "gaussian")]
         cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, *rough, row["size"]]
         lines.append("| " + " | ".join(cells) + " |")
