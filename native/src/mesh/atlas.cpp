@@ -35,7 +35,7 @@ bool Atlases::separate_overlaps(const Triangles &triangles, const HalfEdges &hal
 }
 
 void Atlases::repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
-  constexpr double square = 1.001; // and what roundings add
+  constexpr double square = 1.001; // allows for rounding of the sum
   if (area_was_compared_ || atlas_.layout != PDESC_LAYOUT_GIVEN || known_free_of_overlaps_) return;
   if (area_in_map(atlas_.charts) > square) separate_overlaps(triangles, half_edges, threads);
   area_was_compared_ = true;

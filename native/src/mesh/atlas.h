@@ -1,5 +1,5 @@
-// Charts + what a bake counts of their texels → the layout in use: the caller's UV map, or a private one in which no two parts
-// of the surface share texture space, or which has more texels for the radius.
+// Charts + texel counts of a bake → the layout in use: the caller's UV map, or a private one. A private layout is made if parts
+// of the surface share texture space, or if it gives the radius more texels.
 #pragma once
 
 #include <optional>
@@ -22,18 +22,18 @@ struct TexelCounts {
   int overlapping = 0; // texels that several triangles claim
 };
 
-// The atlas that a mesh has at the moment. A private layout is made at most once, and then kept: it helps at every size and
-// radius, or at none.
+// The atlas that a mesh currently has. A private layout is made at most once and then kept: whether one helps depends neither on
+// the buffer's size nor on the radius.
 class Atlases {
 public:
   Atlases() = default;
   explicit Atlases(Charts charts) { atlas_.charts = std::move(charts); }
 
   const Atlas &current() const { return atlas_; }
-  // Separates what overlaps if the map has more area than its square has: it would take as many times longer to draw. Costs
-  // nothing after the first time.
+  // Separates overlaps if the charts have more area than the unit square: drawing takes as many times longer. The comparison is
+  // made once; later calls cost nothing.
   void repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads);
-  // True if the atlas is another one now. A count of overlapping texels only raises the suspicion: rasterizers round, and small
+  // Returns true if the atlas was replaced. Overlapping texels only raise the suspicion, because rasterizers round, and small
   // triangles of a sound map may share a texel too. radius_in_texels: in the direction that has the fewest.
   bool repack_if_needed(const Triangles &triangles, const HalfEdges &half_edges, const TexelCounts &counts, int buffer_size,
                         double radius_in_texels, int threads);

@@ -11,15 +11,15 @@ namespace paradesc {
 
 double segment_distance(dvec3 a, dvec3 b); // of the origin
 
-// What one thread keeps from place to place; the surface is borrowed.
+// A flood that one thread reuses from place to place, so that its arrays stay allocated. The surface is borrowed.
 class BallFlood {
 public:
   BallFlood(const Triangles &triangles, const HalfEdges &half_edges);
 
-  // Around a point of the mesh, or around a place within a triangle.
+  // Start a flood at a point of the mesh, or at a place within a triangle.
   void start_at_point(dvec3 center, int32_t point);
   void start_in_triangle(dvec3 center, int32_t triangle);
-  // Goes on behind edges that meet the ball, from where an earlier flood of a smaller one ended.
+  // Continues the flood across edges that meet the larger ball, from where the flood of a smaller ball ended.
   void grow(double radius);
   const std::vector<int32_t> &triangles() const { return reached_; } // those of smaller balls first
 
@@ -34,7 +34,7 @@ private:
   std::vector<int32_t> mark_; // (triangles) the last place that reached it
   int32_t places_ = 0;
   std::vector<int32_t> reached_;
-  size_t looked_ = 0;        // at so many of them
+  size_t looked_ = 0;        // rim edges already tested
   std::vector<int32_t> rim_; // half-edges that did not meet the ball
 };
 

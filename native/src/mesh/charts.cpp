@@ -14,15 +14,15 @@ namespace {
 
 constexpr double no_uv_area = 1e-14;         // twice the area; a texel of the largest buffer has 1.5e-8
 constexpr double no_relative_uv_area = 1e-7; // twice the area against the square of the longest side: the digits of a float
-constexpr double needle = 1e-2;              // the same of a triangle that no texel hits but by chance ...
-constexpr double needle_part = 1e-7;         // ... if it is no larger than this part of the map: a tenth of a texel of 1024²
+constexpr double needle = 1e-2;              // the same ratio for a triangle that texel centers hit only by chance ...
+constexpr double needle_part = 1e-7;         // ... if its share of the map is at most this: a tenth of a texel of 1024²
 constexpr double same_uv = 1e-6;
 constexpr int block = 4096; // for one thread at a time
 
 dvec2 uv_at(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[corner]); }
 
-// Twice the signed area of a triangle in the UV map; 0 where it is too small to stand on. Needles count as too small up to
-// largest_needle: a texel that one catches would stand for thousands of times the needle's surface.
+// Twice the signed area of a triangle in the UV map; 0 if it is too small to carry texels. Needles up to largest_needle count as
+// too small: a texel that hits one would stand for thousands of times the needle's surface.
 double uv_area(const Triangles &triangles, int triangle, double largest_needle) {
   const dvec2 a = uv_at(triangles, 3 * triangle);
   const dvec2 ab = uv_at(triangles, 3 * triangle + 1) - a;
@@ -49,7 +49,7 @@ struct UvAreas {
   std::vector<uint8_t> left_out; // (triangle_count) 1: not on the surface, or no area in the UV map
 };
 
-// (triangle_count) twice and signed; 0: not on the surface, or too small to stand on.
+// (triangle_count) twice the signed UV area; 0: the triangle is left out, or too small to carry texels.
 std::vector<double> uv_areas(const Triangles &triangles, const HalfEdges &half_edges, double largest_needle, int threads) {
   std::vector<double> area(triangles.triangle_count, 0.0);
   parallel_blocks(triangles.triangle_count, threads, block, [&](int begin, int end) {
@@ -83,7 +83,7 @@ UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, int thr
   return areas;
 }
 
-// Half-edges over which a chart goes on: both sides have area, lie on the same side of the fold and meet in the UV map.
+// Finds the half-edges across which a chart continues: both triangles have area, lie on the same side of the fold and meet in UV.
 std::vector<int32_t> link_within_charts(const Triangles &triangles, const HalfEdges &half_edges, const UvAreas &areas,
                                         std::span<const int32_t> triangle_piece, int threads) {
   std::vector<int32_t> link(half_edges.twin.size(), -1);
@@ -103,7 +103,7 @@ vec2 uv_centroid(const Triangles &triangles, int triangle) {
   return vec2(sum / 3.0);
 }
 
-// Calls visit(corner, angle) for every corner that has a wedge, in order; angles are found by all threads, a run of corners at a
+// Calls visit(corner, angle) in order for every corner that has a wedge. All threads compute the angles, one run of corners at a
 // time.
 template <class Angle, class Visit>
 void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &corner_wedge, int threads, const Angle &angle_of,

@@ -23,8 +23,8 @@ struct Border {
   BorderKind kind;
 };
 
-// All corners of one point on one chart that have the same (u, v) (Hoppe's term). A point on a seam has several wedges, any other
-// point one.
+// All corners of one point on one chart that have the same (u, v) (Hoppe's term). A point on a seam has several wedges, every
+// other point has one.
 struct Wedge {
   int32_t point;
   int32_t chart;

@@ -1,4 +1,4 @@
-// The processor → the jets that are compiled for it.
+// Selects the jet fit compiled for the widest instructions of this processor.
 #include "mesh/jets.h"
 #include "support/instructions.h"
 

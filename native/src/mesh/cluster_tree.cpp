@@ -1,4 +1,4 @@
-// Level by level: each cluster takes the neighbor with which it is roundest, counted in edges.
+// Builds the tree level by level: each cluster joins the neighbor with which the union is roundest, measured in edges.
 #include "mesh/cluster_tree.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace paradesc {
 
 namespace {
 
-// The clusters of one level: how many edges they share with others, and in all.
+// The clusters of one level: how many edges each shares with its neighbors, and how many its border has in all.
 struct ClusterGraph {
   struct Link {
     int32_t other, edges;
@@ -26,14 +26,14 @@ struct ClusterGraph {
   int32_t size() const { return static_cast<int32_t>(perimeter.size()); }
 };
 
-// Edges of the union's border over what a disk of as many triangles would have, squared; a little more where it is large, so that
-// small clusters do not wait.
+// Squared border length over that of a disk of as many triangles, up to a constant factor. The added term grows with size, so
+// that small clusters are merged first.
 double roughness(int32_t perimeter, int32_t triangles) {
   const double edges = perimeter, count = triangles;
   return edges * edges / count + 0.05 * count;
 }
 
-// The clusters of the next level: which of this level's belong to each.
+// Assigns the clusters of one level to parents, the clusters of the next level.
 class Matching {
 public:
   explicit Matching(const ClusterGraph &graph) : graph_(graph), parent_(graph.perimeter.size(), -1) {
@@ -66,8 +66,8 @@ private:
     int32_t perimeter, triangles;
   };
 
-  // The link to that with which the cluster is roundest; other: -1 if there is none. size_of(link): of what lies behind it, if
-  // that can be taken.
+  // The link to the neighbor with which the union is roundest; other is -1 if there is none. size_of(link): the size of what lies
+  // behind the link, or none if that cannot be joined.
   template <class SizeOf> ClusterGraph::Link roundest(int32_t cluster, const SizeOf &size_of) const {
     double least = std::numeric_limits<double>::max();
     ClusterGraph::Link best{-1, 0};
@@ -93,7 +93,7 @@ private:
     return best.other >= 0;
   }
 
-  // All neighbors are taken: one of their groups takes it, too.
+  // For a cluster whose neighbors all have groups: joins the group of one of them that still has room.
   bool join(int32_t cluster) {
     const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
       const int32_t group = parent_[link.other];
@@ -109,7 +109,7 @@ private:
   std::vector<int32_t> members_, perimeter_, triangles_; // of each group
 };
 
-// The members of each parent, one parent after the other.
+// The members of each parent, listed parent after parent.
 struct Members {
   std::vector<int32_t> begin, member;
   Members(const std::vector<int32_t> &parent, int32_t parents)
@@ -176,7 +176,7 @@ static ClusterGraph coarsen(const ClusterGraph &graph, const std::vector<int32_t
   return coarse;
 }
 
-// From the top down: the order in which each level's clusters stand.
+// Orders the clusters of each level from the top down, so that each cluster is a range of every level below.
 static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const std::vector<int32_t> &sizes, ClusterTree &tree) {
   std::vector<int32_t> order(static_cast<size_t>(sizes.back()));
   std::iota(order.begin(), order.end(), 0);

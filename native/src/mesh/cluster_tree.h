@@ -1,7 +1,7 @@
 // Half-edges → a tree of connected clusters of triangles: pairs of neighbors, pairs of pairs, and so on.
 //
-// It depends on how the mesh hangs together alone, not on positions: every frame of an animation has the same tree, whichever
-// frame came first.
+// The tree depends on connectivity alone, not on positions: every frame of an animation has the same tree, whichever frame came
+// first.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Pieces go with the square of a length, so few of them at a large coarsening tell about which one is meant. Guesses come from
-// that side, where counts are small: each count of too many pieces takes as long as the limit is high.
+// The piece count is roughly quadratic in length, so a cheap count at a large coarsening predicts the coarsening wanted. Guesses
+// approach from that side, where counts are small: a count that runs into the limit takes as long as the limit is high.
 #include "mesh/coarsening.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ int steps_until_short(float length) {
   return steps;
 }
 
-// How many steps back the pieces would still be few enough, if their number went with the square.
+// Predicts how many steps finer still stay within `most`, assuming that the piece count grows with the square of the length.
 static int steps_left(int64_t pieces, int64_t most) {
   constexpr double growth = static_cast<double>(step) * static_cast<double>(step);
   int steps = 0;
@@ -30,7 +30,7 @@ static int steps_left(int64_t pieces, int64_t most) {
   return steps;
 }
 
-// Strides grow: where guesses are poor it ends in bisection.
+// Strides grow with every try, so that the search ends in bisection where the predictions are poor.
 int fewest_steps(int64_t most, int last, const CountPieces &count) {
   int too_few = 0, enough = last;
   int64_t pieces = count(last).value();

@@ -7,18 +7,18 @@
 
 namespace paradesc {
 
-// Lengths are divided by it; 1 after no step.
+// The divisor of all lengths after so many steps; it is 1 after none.
 float coarsening_after(int steps);
 
 // The fewest steps after which a length is at most 1.
 int steps_until_short(float length);
 
-// How many pieces there are after so many steps; nothing if that is more than allowed, which may be told as soon as it is known.
+// Piece count after `steps` coarsenings, or nullopt as soon as it is known to exceed the limit.
 using CountPieces = std::function<std::optional<int64_t>(int steps)>;
 
-// The fewest steps after which there are at most that many pieces: between 0, after which there are more, and last, after which
-// there are not. If more steps can make more pieces, then some number of steps that does it where one less does not. The last
-// count that gave a number was of what is returned.
+// The fewest steps, in (0, last], after which there are at most `most` pieces. Zero steps must give more, and `last` steps must
+// not. If the count is not monotonic, the result is some number of steps that suffices where one step less does not. The last
+// call of count() that returned a number was for the result.
 int fewest_steps(int64_t most, int last, const CountPieces &count);
 
 } // namespace paradesc

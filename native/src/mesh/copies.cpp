@@ -1,4 +1,4 @@
-// Triangles sorted by their places → groups; sheets of which all triangles lie in groups with better ones → left out.
+// Sorts triangles by their places → groups of copies. Leaves out sheets whose triangles all have copies in better sheets.
 #include "mesh/copies.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ Three sorted_ids(const std::vector<int32_t> &ids, int32_t triangle) {
   return three;
 }
 
-// Whether the ids of a triangle's corners rise in an even number of swaps.
+// Whether an even number of swaps sorts the ids of a triangle's corners.
 bool is_even(const std::vector<int32_t> &ids, int32_t triangle) {
   const int32_t *id = &ids[3 * triangle];
   return (id[0] > id[1]) == ((id[1] > id[2]) != (id[0] > id[2]));
@@ -41,7 +41,7 @@ void add_group(const std::vector<int32_t> &ids, std::vector<int32_t> group, Copi
   copies.groups.push_back(std::move(group));
 }
 
-// (vertex_count) 1: the place of several vertices.
+// (vertex_count) 1: the place belongs to several vertices.
 std::vector<uint8_t> shared_places(const Places &places) {
   std::vector<uint8_t> is_shared(places.of_vertex.size(), 0);
   for (size_t vertex = 0; vertex < is_shared.size(); ++vertex) {
@@ -110,7 +110,7 @@ std::vector<int32_t> leave_out_copies(const Triangles &triangles, const Copies &
     const int32_t piece = pieces.triangle_piece[triangle];
     return std::pair(-size[piece], piece);
   };
-  // Among those with the same key, the one of the best sheet stands in for the others.
+  // Among triangles with the same key, the one of the best sheet stands in for the others.
   const auto look = [&](std::vector<int32_t> group, const auto &key) {
     std::ranges::sort(group, {}, [&](int32_t triangle) { return std::tuple(key(triangle), place_of(triangle), triangle); });
     int32_t best = group[0];

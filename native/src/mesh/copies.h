@@ -1,4 +1,4 @@
-// Triangles → those that are copies of others: they lie at the same three places, wound alike or the other way.
+// Triangles → groups of copies: triangles at the same three places, wound alike or the other way.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,21 @@ namespace paradesc {
 
 struct Copies {
   std::vector<int32_t> group;               // (triangle_count) the first triangle at the same three places; -1: left out
-  std::vector<int32_t> rank;                // (triangle_count) how many before it in its group are wound the same way
+  std::vector<int32_t> rank;                // (triangle_count) earlier triangles of its group with the same winding
   std::vector<uint8_t> turned;              // (triangle_count) 1: wound the other way than the first of its group
   std::vector<std::vector<int32_t>> groups; // of several triangles each, ascending
 };
 
-// Whether a triangle of these half-edges, whose places are other vertices' too, lies at the same three places as another one.
+// Whether some triangle of these half-edges, at places shared with other vertices, lies at the same three places as another one.
 bool has_copies_of(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out,
                    std::span<const int32_t> half_edges);
 
 Copies find_copies(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out);
 
-// Leaves out the sheets, triangles that are paired with each other, of which every triangle has a copy in a larger sheet (of
-// equally large ones the first) that is wound the same way or has the same vertices: all that they could add is there. Sheets
-// that touch others in some triangles alone stay, and so do back faces with vertices of their own. twin: as Pairing's. Returns
-// the triangle that stands for each that was left out here, and -1 for the others; where none was, nothing.
+// Leaves out sheets that add nothing. A sheet is a set of triangles paired with each other; it adds nothing if each of its
+// triangles has a copy in a larger sheet (among equally large ones: in the first) that is wound the same way or has the same
+// vertices. Sheets that coincide with others in only some triangles stay, and so do back faces with vertices of their own. twin:
+// as Pairing's. Returns for each triangle left out here the one that stands in for it, else -1; an empty array if none was.
 std::vector<int32_t> leave_out_copies(const Triangles &triangles, const Copies &copies, const std::vector<int32_t> &twin,
                                       std::vector<uint8_t> &left_out);
 

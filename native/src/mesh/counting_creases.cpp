@@ -1,4 +1,4 @@
-// What bends in balls around creases, added up by lines.
+// Sums the bending in balls around creases, line by line.
 #include "mesh/counting_creases.h"
 
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace paradesc {
 
-// Other edges turn the normals less than creases do, or but by noise.
+// Whether the other edges turn the normals less than the creases do, or turn them by noise alone.
 static bool stands_out(const EdgeLine &, const Turning &turning) {
   constexpr double most_others = 0.7;
   return turning.edges >= turning.others || turning.others_net2 <= most_others * most_others * turning.edges * turning.edges;

@@ -1,5 +1,5 @@
-// Looks for triangles that overlap, square by square. Over a chart that has some, grows pieces triangle by triangle; what would
-// overlap its piece waits for the next one.
+// Finds overlapping triangles square by square. On a chart that overlaps itself, grows pieces triangle by triangle; a triangle
+// that would overlap its piece waits for the next one.
 #include "mesh/cut.h"
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 namespace paradesc {
 namespace {
 
-// Triangles that reach into each other by less than this only touch: corners that agree do so to 1e-6 (charts.cpp).
+// Triangles that overlap by less than this only touch: corners count as equal up to 1e-6 (charts.cpp).
 constexpr double hair = 2e-6;
-constexpr int deepest = 20; // a square of the index is then smaller than a hair
+constexpr int deepest = 20; // levels of the quadtree; its squares are then smaller than a hair
 
 struct Outline {
   std::array<dvec2, 3> corner;
@@ -81,7 +81,7 @@ Range range_of(const Charts &charts) {
   return range;
 }
 
-// About two triangles a square; without lists where triangles are so long that squares would be full of them.
+// Sorts about two triangles into each square. Makes no lists if long triangles would fill too many squares.
 Squares sort_into_squares(const Charts &charts) {
   const auto triangle_count = static_cast<int32_t>(charts.triangle_chart.size());
   constexpr int64_t max_per_triangle = 16;
@@ -118,7 +118,7 @@ struct Overlaps {
   std::atomic<bool> between{false};         // two charts overlap
 };
 
-// Looks at a pair in the square where the intersection of its boxes begins, and in no other.
+// Tests each pair once: only in the square where the intersection of its two boxes begins.
 void find_overlaps_in(const Charts &charts, const Squares &squares, size_t square, std::vector<Outline> &outlines,
                       Overlaps &found) {
   outlines.clear();
@@ -144,7 +144,7 @@ void find_overlaps_in(const Charts &charts, const Squares &squares, size_t squar
   }
 }
 
-// Which charts overlap, themselves or others; false where the squares are of no use for that.
+// Finds the charts that overlap themselves or others. Returns false if the squares cannot be used for that.
 bool find_overlaps(const Charts &charts, int threads, Overlaps &found) {
   const Squares squares = sort_into_squares(charts);
   if (squares.begin.empty()) return false;
@@ -155,8 +155,8 @@ bool find_overlaps(const Charts &charts, int threads, Overlaps &found) {
   return true;
 }
 
-// The triangles of one piece by position: a quadtree in which a triangle lies in the square that holds its middle and is just as
-// large as it; each square knows the box around all below it. Small and large triangles may lie side by side.
+// The triangles of one piece by position: a quadtree that stores a triangle in the square that contains its center and has about
+// its size. Each square knows the bounding box of all that is stored below it. Small and large triangles may lie side by side.
 class Occupancy {
 public:
   explicit Occupancy(const Charts &charts) : charts_(charts) {}
@@ -239,7 +239,7 @@ struct Cutting {
   int32_t pieces = 0;
 };
 
-// The chart's triangle farthest from this one, in steps: strips then are cut from an end. Sets the range to the chart's.
+// The triangle of the chart that is the most steps away: strips are then cut from one end. Sets the range to the chart's.
 int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   cutting.queue.assign(1, start);
@@ -260,7 +260,7 @@ int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   return cutting.queue.back();
 }
 
-// Grows a new piece from this triangle as far as it goes. Returns the triangles around it that would overlap it.
+// Grows a new piece from this triangle as far as possible. Returns the adjacent triangles that would overlap the piece.
 std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   const int32_t piece = cutting.pieces++;
   std::vector<int32_t> refused;
@@ -286,7 +286,7 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   return refused;
 }
 
-// Cuts the triangle's chart into pieces. Returns whether there are several.
+// Cuts the triangle's chart into pieces. Returns whether there is more than one.
 bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   std::vector<int32_t> seeds{far_end(cutting, seen, start)};
   const int32_t first = cutting.pieces;
@@ -298,7 +298,7 @@ bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   return cutting.pieces > first + 1;
 }
 
-// Whether triangles of two charts overlap; none of one chart do.
+// Whether triangles of two different charts overlap. Must be called when no chart overlaps itself.
 bool charts_overlap(const Charts &charts, Occupancy &occupancy) {
   const Range range = range_of(charts);
   occupancy.set_range(range.low, range.high);
@@ -323,7 +323,7 @@ Cuts cut_charts(const HalfEdges &half_edges, const Charts &charts, int threads) 
   for (size_t h = 0; h < cutting.link.size(); ++h)
     if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
   std::vector<uint8_t> seen(count, 0);
-  std::vector<int32_t> whole(charts.chart_count, -1); // the piece that a chart is as it is
+  std::vector<int32_t> whole(charts.chart_count, -1); // (charts) the one piece of a chart that stays whole, or -1
   Cuts cuts;
   for (int32_t start = 0; start < count; ++start) {
     const int32_t chart = charts.triangle_chart[start];

@@ -16,8 +16,8 @@ struct Cuts {
   std::vector<int32_t> triangle_piece; // (triangle_count) numbered through all charts; -1: on no chart
 };
 
-// Exact but for a hair (2e-6 of the unit square). Pieces are connected over the chart's inner edges, and each is grown as far as
-// it goes; a chart that does not overlap itself is one piece. build_charts makes charts of the pieces.
+// Exact up to a hair (2e-6 of the unit square). Pieces are connected over the chart's inner edges, and each grows as far as
+// possible; a chart that does not overlap itself is one piece. build_charts makes charts of the pieces.
 // threads as in pdesc_context_options.
 Cuts cut_charts(const HalfEdges &half_edges, const Charts &charts, int threads = 0);
 

@@ -17,7 +17,7 @@
 namespace paradesc {
 
 static constexpr int most_halvings = 10; // of one edge
-static constexpr int deepest = 64;       // cuts of pieces of pieces; sides that halve as they should are short long before
+static constexpr int deepest = 64;       // cuts within one triangle; sides that halve as planned are short long before
 static constexpr int block = 256;        // of triangles
 
 static int halvings_of(float length) {
@@ -30,13 +30,13 @@ namespace {
 
 constexpr std::array<vec2, 3> places_of_corners = {vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f)};
 
-// Lengths in one triangle, of which none is above what the halvings of its sides come to: a side whose parts stayed long could
-// never be cut off. 0 if no float holds the square of a side: then nothing is known of the triangle.
+// Lengths within one triangle, capped by what the halvings of its sides allow: a side whose parts stayed long could never be cut
+// off. They are 0 if the square of a side overflows a float, because nothing is then known of the triangle.
 class Lengths {
 public:
   Lengths() = default;
   Lengths(const TriangleMeasure &measure, float coarsening) : measure_(measure) {
-    // Of a triangle that is so large, floats do not tell how long a way is that is short against it.
+    // In a triangle larger than this, floats cannot tell the length of a way that is short compared to it.
     constexpr float most = 65536.0f;
     float in_space = 0.0f, in_image = 0.0f;
     for (int k = 0; k < 3; ++k) {
@@ -44,7 +44,7 @@ public:
       const float space = length(measure.space1 * side.x + measure.space2 * side.y);
       const float image = length(measure.image1 * side.x + measure.image2 * side.y);
       counts_space_ = counts_space_ && space < most;
-      counts_image_ = counts_image_ && image < most; // nor where it is no number
+      counts_image_ = counts_image_ && image < most; // false for NaN, too
       in_space = std::max(in_space, space);
       in_image = std::max(in_image, image);
     }
@@ -53,7 +53,7 @@ public:
     for (int k = 0; k < 3; ++k) longest = std::max(longest, measured(side_of(k)));
     if (!std::isfinite(longest)) return;
     longest_ = longest;
-    // One side may be short in space and another in the image: then a cut is up to twice as long as any side.
+    // If one side is short in space and another in the image, a cut is up to twice as long as any side.
     const float longest_cut = !counts_image_ ? in_space : !counts_space_ ? in_image : std::min(in_space, in_image);
     scale_ = 1.0f / std::max(coarsening, longest_cut / static_cast<float>(1 << most_halvings));
   }
@@ -81,16 +81,16 @@ struct Corner {
   int32_t fan, point;
 };
 
-// An edge that both triangles beside it divide alike: a side of the triangle, or a cut through it.
+// An edge that both adjacent triangles divide alike: a side of the triangle, or a cut through it.
 struct Line {
   int32_t parts;
   int32_t point, point_step; // part k ends at point + k * point_step
   int32_t fan;               // and fan + k
   int32_t slot;              // of its parts' half-edges
-  bool is_cut;               // its parts have two half-edges each here
+  bool is_cut;               // both half-edges of each part belong to this triangle
 };
 
-// Parts of a line, from one of their ends to another.
+// A range of parts of a line, from one part's end to another's.
 struct Side {
   int32_t line, from, to;
   float length;
@@ -100,29 +100,29 @@ struct Side {
 using Corners = std::array<Corner, 3>;
 using Sides = std::array<Side, 3>; // from each corner to the next
 
-// What pieces of a triangle are written to.
+// The arrays that the pieces of a triangle are written to.
 struct Target {
   Division &division;
   std::vector<int32_t> &corner_fan;
   std::vector<int32_t> &side_slot; // the half-edge of each part of each side
 };
 
-// Where a triangle is cut: the middle of which side, and how often the cut is halved in turn.
+// A cut of a triangle: the side whose middle it starts from, and how often the cut itself is halved.
 struct Cut {
   int side, halvings;
   uint8_t stored() const { return static_cast<uint8_t>(side + 4 * halvings); }
   static Cut from(uint8_t stored) { return {stored % 4, stored / 4}; }
 };
 
-// Pieces that all threads have counted so far.
+// The pieces counted so far by all threads.
 struct Counted {
   const int64_t most;
   std::atomic<int64_t> pieces{0};
   bool too_many() const { return pieces > most; }
 };
 
-// Cuts one triangle after the other: by a measure, to plan it, until there are too many pieces; or as it was planned, to write
-// the pieces.
+// Cuts one triangle after another. With a measure it plans the cuts, until there are too many pieces; without one it follows the
+// plan and writes the pieces.
 class Cutter {
 public:
   Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure, Counted &counted)
@@ -164,7 +164,7 @@ private:
     return {parts, first == h ? point - 1 : point + parts - 1, first == h ? 1 : -1, fan, plan_.side_begin[h] + h, false};
   }
 
-  // Side -1: the triangle is a piece.
+  // The next cut; its side is -1 if the triangle is a piece.
   Cut next_cut(const Corners &corner, const Sides &side, int depth) {
     int i = -1;
     for (int k = 0; k < 3; ++k)
@@ -172,7 +172,7 @@ private:
     if (i < 0) return {-1, 0};
     if (target_) return Cut::from(plan_.cut[plan_.piece_begin[triangle_] + nodes_ - pieces_]);
     const vec2 middle = 0.5f * (corner[i].weights + corner[(i + 1) % 3].weights);
-    // Lengths are the lesser of two, and rounded: they need not get shorter with the pieces. Cuts that are not halved end all.
+    // Lengths are minima of two measures, and rounded, so they need not shrink with the pieces. Unhalved cuts ensure termination.
     const Cut cut{i, depth < deepest ? halvings_of(lengths_.of(corner[(i + 2) % 3].weights - middle)) : 0};
     cuts_.push_back(cut.stored());
     return cut;
@@ -255,17 +255,17 @@ private:
   const MeasureTriangle *measure_ = nullptr;
   Counted *counted_ = nullptr;
   Target *target_ = nullptr;
-  bool stopped_ = false; // with half of the triangle's pieces missing
-  Lengths lengths_;      // all 0 without a measure: as it was planned, no length matters
+  bool stopped_ = false; // stopped in mid-triangle; some of its pieces are missing
+  Lengths lengths_;      // all 0 without a measure: the plan then decides
   int32_t triangle_ = -1, pieces_ = 0, inner_points_ = 0, nodes_ = 0;
   std::vector<Line> lines_;        // the sides, then the cuts
-  std::vector<uint8_t> cuts_;      // that were chosen
+  std::vector<uint8_t> cuts_;      // chosen so far, in order
   std::vector<int32_t> cut_slots_; // of each part of a cut the half-edges along it and against it
 };
 
 } // namespace
 
-// ---- How much there is
+// ---- Counting
 
 static void count_halvings(const HalfEdges &half_edges, const MeasureTriangle &measure, int threads, DivisionPlan &plan) {
   std::vector<float> length(half_edges.twin.size());
@@ -286,7 +286,7 @@ static void count_halvings(const HalfEdges &half_edges, const MeasureTriangle &m
   });
 }
 
-// Gives up where there are more pieces than that.
+// Returns nothing as soon as there are more than `most` pieces.
 static std::optional<int64_t> count_pieces(const HalfEdges &half_edges, const MeasureTriangle &measure, int64_t most, int threads,
                                            DivisionPlan &plan) {
   const size_t triangles = plan.halvings.size() / 3;
@@ -366,7 +366,7 @@ static void link_sides(const HalfEdges &half_edges, const std::vector<int32_t> &
   }
 }
 
-// Each point has one fan of pieces, as the mesh's points have of triangles.
+// Each point has exactly one fan of pieces, just as each point of the mesh has one fan of triangles.
 static void describe_points(HalfEdges &pieces) {
   const auto points = static_cast<size_t>(pieces.point_count);
   pieces.point_vertex.resize(points);
@@ -395,7 +395,7 @@ Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threa
   HalfEdges &pieces = division.half_edges;
   pieces.point_count = half_edges.point_count + plan.new_points();
   pieces.corner_point.assign(corners, -1);
-  checkpoint(); // so much memory takes as long as work
+  checkpoint(); // allocating this much memory takes noticeable time
   pieces.twin.assign(corners, -1);
   checkpoint();
   pieces.triangle_piece.assign(corners / 3, -1);
@@ -423,7 +423,7 @@ Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threa
   return division;
 }
 
-// Corners p, q, s from the halved side on: beyond its middle lies q's half.
+// Corners p, q, s start at the halved side; the half of q lies beyond the side's middle.
 TrianglePlace Division::at(TrianglePlace place) const {
   const int32_t first = plan.piece_begin[place.triangle];
   const int32_t *const nodes = &tree[2 * static_cast<size_t>(first)];

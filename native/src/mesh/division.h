@@ -13,19 +13,19 @@
 
 namespace paradesc {
 
-// The sides of a triangle by two measures, in lengths that are short enough; of any way in it the shorter one counts.
+// The sides of a triangle by two measures, in units of the length that is short enough. The shorter of the two lengths counts.
 struct TriangleMeasure {
   vec2 image1{0.0f}, image2{0.0f}; // from corner 0 to corners 1 and 2
   vec3 space1{0.0f}, space2{0.0f};
 };
 using MeasureTriangle = std::function<TriangleMeasure(int32_t triangle)>;
 
-// How edges are halved and triangles cut, and what that comes to: all of it follows from the mesh and the measure, and with
-// another measure it may well be the same.
+// How edges are halved and triangles are cut, and the resulting counts. All of it follows from the mesh and the measure; a
+// different measure may well give the same plan.
 struct DivisionPlan {
   float coarsening = 1.0f;          // lengths are divided by it: above 1 where there would be too many pieces
   std::vector<uint8_t> halvings;    // (3 * triangles) of each half-edge, equal on both sides
-  std::vector<uint8_t> cut;         // (pieces) of each triangle one less than it has pieces, in their order
+  std::vector<uint8_t> cut;         // (pieces) the cuts of each triangle in order, one fewer than it has pieces
   std::vector<int32_t> piece_begin; // (triangles + 1) pieces of each triangle; none of those left out
   std::vector<int32_t> inner_begin; // (triangles + 1) points within each triangle
   std::vector<int32_t> side_begin;  // (3 * triangles + 1) points on each half-edge, between its ends
@@ -37,7 +37,7 @@ struct DivisionPlan {
   int32_t side_points() const { return side_begin.empty() ? 0 : side_begin.back(); }
 };
 
-// Of at most that many pieces, or as many as the mesh has triangles.
+// Plans at most most_pieces pieces, or as many as the mesh has triangles if that is more.
 DivisionPlan plan_division(const HalfEdges &half_edges, const MeasureTriangle &measure, int32_t most_pieces, int threads);
 
 // A place on a triangle, by weights of its corners 1 and 2.
@@ -46,19 +46,19 @@ struct TrianglePlace {
   vec2 weights;
 };
 
-// Points: those of the mesh, by their numbers; those on edges; those within triangles.
-// Fans: corners of pieces that have the same place of the same triangle. Those at the triangles' corners; on their sides, each
-// half-edge's in its own direction; within triangles.
+// Points are numbered in this order: points of the mesh by their own numbers, points on edges, points within triangles.
+// A fan stands for the corners of pieces that share a place on a triangle. Fans are numbered: at corners of triangles; on their
+// sides, along the direction of each half-edge; within triangles.
 struct Division {
   DivisionPlan plan;
   HalfEdges half_edges;                                   // of the pieces; each point is a vertex
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // (3 * pieces)
   std::vector<vec2> fan_weights;                          // (fans) the place on the triangle, as in TrianglePlace
-  std::vector<int32_t> tree; // (2 * pieces) of each triangle a tree: where it is cut, then the tree of one half; see at()
+  std::vector<int32_t> tree; // (2 * pieces) the tree of cuts of each triangle: its cut, then the tree of one half; see at()
 
   size_t first_side_fan() const { return plan.halvings.size(); }
   size_t first_inner_fan() const { return first_side_fan() + static_cast<size_t>(plan.side_points()); }
-  // A place on a triangle that has pieces → on the piece that has it.
+  // Maps a place on a divided triangle to the place on the piece that contains it.
   TrianglePlace at(TrianglePlace place) const;
 };
 

@@ -1,4 +1,4 @@
-// Adds up the edges' lengths in blocks of a fixed size, so that the sum does not depend on the number of threads.
+// Sums edge lengths in blocks of a fixed size, so that the sum does not depend on the number of threads.
 #include "mesh/extent.h"
 
 #include <utility>
@@ -15,7 +15,7 @@ double mean_edge(const Triangles &triangles, const HalfEdges &mesh, int threads)
   parallel_blocks(half_edges, threads, block, [&](int begin, int end) {
     auto &[sum, count] = parts[begin / block];
     for (int h = begin; h < end; ++h) {
-      // Each edge once: a pair by its lower half-edge.
+      // Counts each edge once: a pair by its lower half-edge.
       const int32_t twin = mesh.twin[h];
       if (mesh.corner_point[h] < 0 || (twin >= 0 && twin < h)) continue;
       sum += length(dvec3(triangles.position(next_corner(h))) - dvec3(triangles.position(h)));

@@ -1,5 +1,5 @@
-// Facets grow from triangle to triangle, each by what those before have in common; then their outlines are traced and
-// straightened.
+// Grows facets from triangle to triangle: each triangle must fit what the earlier ones have in common. Then outlines are traced
+// and straightened.
 #include "mesh/facets.h"
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace paradesc {
 
 namespace {
 
-// Of the largest coordinate: how far corners lie off a plane, and points off a line, by what computed and rounded them.
+// Distance of corners from a plane and of points from a line that rounding explains, relative to the largest coordinate.
 constexpr double flatness = 1.0 / (1 << 20);
-// Normals of a facet are off what is linear by so much, and by what a sixteenth of that distance turns a triangle of this height.
+// Tolerance of normals: least_turn plus the angle by which a sixteenth of `flat` turns a triangle of this height, <= most_turn.
 constexpr double least_turn = 1.0 / (1 << 19), most_turn = 1e-3, sixteenth = 0.0625;
 
 struct Mesh {
@@ -35,7 +35,7 @@ struct Mesh {
   bool is_needle(int32_t triangle) const { return steady_face(triangles, half_edges, triangle) != triangle; }
 };
 
-// What the triangles of a facet have in common: sums over their area, and means that follow from them.
+// The properties that the triangles of a facet share: area-weighted sums, and the means that follow from them.
 class Common {
 public:
   Common(const Mesh &mesh, int32_t seed, dvec3 product)
@@ -110,12 +110,12 @@ private:
   NormalGradient gradients_{};
 };
 
-// A line from here on that leaves all points before its end within a distance.
+// The set of lines from the current point that pass all points so far within a distance.
 class Sleeve {
 public:
   Sleeve(dvec2 begin, double width) : begin_(begin), width_(width) {}
 
-  // Whether it can end there; then it does.
+  // Tests whether the line can end at `end`; if so, extends it to there.
   bool takes(dvec2 end) {
     const dvec2 way = end - begin_;
     const double length = glm::length(way);
@@ -143,7 +143,7 @@ public:
   void trace();
 
 private:
-  int32_t behind(int32_t half_edge) const; // a facet; ~ a triangle that is in none; or ~ too many
+  int32_t behind(int32_t half_edge) const; // a facet; ~t for a triangle t that is in none; ~triangle_count at boundaries
   bool is_outline(int32_t half_edge, int32_t facet) const {
     return mesh_.creases.contains(half_edge) || behind(half_edge) != facet;
   }
@@ -227,7 +227,7 @@ void Building::add_loop(int32_t facet, int32_t half_edge) {
     return behind(edge) == behind(before) && mesh_.creases.contains(edge) == mesh_.creases.contains(before) &&
            sleeve.takes(place(next_corner(edge)));
   };
-  for (size_t i = 0; i < loop.size(); ++i) { // so that it starts where a side does
+  for (size_t i = 0; i < loop.size(); ++i) { // rotates the loop so that it starts at the start of a side
     const int32_t before = i == 0 ? loop.back() : loop[i - 1];
     Sleeve sleeve(place(before), mesh_.flat);
     sleeve.takes(place(loop[i]));
@@ -264,7 +264,7 @@ void Building::finish(int32_t index, int loops) {
   Facet &facet = facets_.facet[index];
   facet.is_convex = loops == 1 && is_convex(facet);
   for (int32_t m = member_begin_[index]; m < member_begin_[index + 1]; ++m) {
-    std::array<dvec2, 4> corners{}; // and their sum
+    std::array<dvec2, 4> corners{}; // the corners and their sum
     for (int32_t k = 0; k < 3; ++k) {
       const dvec3 from_middle = mesh_.place(3 * member_[m] + k) - facet.middle;
       facet.reach = std::max(facet.reach, glm::length(from_middle));
@@ -290,7 +290,7 @@ void Building::finish(int32_t index, int loops) {
   }
 }
 
-// Of one loop. Corners that point inwards by no more than what is flat do not count, unless many do.
+// Tests one boundary loop. Reflex corners within the flatness tolerance are ignored unless there are many.
 bool Building::is_convex(const Facet &facet) const {
   double turned = 0;
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {

@@ -1,5 +1,5 @@
-// Triangles → facets: connected triangles of one plane over which the normals are linear, as what is left of them for integrals
-// over the plane: straight sides. A flat side of a solid has as many however fine its triangles are.
+// Triangles → facets: connected coplanar triangles with linear normals, stored as all that integrals over the plane need: a few
+// straight sides. The flat side of a solid has the same sides however fine its triangles are.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace paradesc {
 
-// Half-edges in a straight line, behind which one facet lies, one triangle that is in none, or nothing.
+// A straight run of half-edges that all border the same thing: one facet, one triangle outside of all facets, or nothing.
 struct FacetSide {
   dvec3 begin, end;
-  double bend;       // by which the surface turns there, positive where it is convex; 0 at boundaries
+  double bend;       // angle by which the surface turns here, positive where it is convex; 0 at boundaries
   int32_t neighbor;  // a facet, or -1
   int32_t half_edge; // the first of them in Facets::outline
   int32_t half_edges;
@@ -32,8 +32,8 @@ struct Facet {
   double reach;         // of its corners from the middle
   PlaneTensor spread;   // of the area around the middle: second moments
   PlaneTensor gradient; // of the normals
-  PlaneTensor excess;   // its sum over the area, without that of the bends of sides that are no creases
-  bool is_convex;       // so that each ball cuts one connected part out of it
+  PlaneTensor excess;   // integral of the gradient, less the bends of sides that are not creases
+  bool is_convex;       // a ball then cuts a connected part out of the facet
   int32_t side_begin, side_end;
 };
 
@@ -49,9 +49,9 @@ struct Facets {
   }
 };
 
-// Every triangle by itself.
+// The result without facets: every triangle stays by itself.
 Facets no_facets(const Triangles &triangles);
-// Of two triangles or more; none reaches over a crease.
+// Finds facets of at least two triangles each; none extends across a crease.
 Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases);
 
 } // namespace paradesc

@@ -1,8 +1,8 @@
-// A triangle list, as split and as non-manifold as files are → manifold half-edges in flat arrays, connected by OpenMesh.
+// A triangle list, as split and as non-manifold as in the file → manifold half-edges in flat arrays, connected by OpenMesh.
 //
-// Pair edges, by vertex and then by position; give every fan of paired faces a point of its own. Where two edges would run
-// between the same points, let OpenMesh connect faces over points and read its half-edges back; where none do, what it would
-// make of the faces is what was paired.
+// Edges are paired by vertex and then by position; every fan of paired faces gets a point of its own. If two edges would run
+// between the same points, OpenMesh connects the faces over these points, and its half-edges are read back. If none do, OpenMesh
+// would produce the pairs that are already known.
 #include "mesh/halfedge.h"
 
 #include <algorithm>
@@ -28,11 +28,11 @@ namespace {
 
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
 
-// Twice the area against the square of the longest edge. Positions are floats, so real slivers lie far above this; what lies
-// below is collinear but for the rounding of this very test.
+// Twice the area relative to the squared longest edge. Positions are floats, so real slivers lie far above this limit; below it
+// a triangle is collinear up to the rounding of this very test.
 constexpr double no_area = 1e-12;
 
-constexpr double equally_wide = 1e-9; // radians; front and back of one face differ by the order of a sum
+constexpr double equally_wide = 1e-9; // radians; the angles of a face's front and back differ by the summation order
 
 dvec3 position(const Triangles &triangles, int corner) { return dvec3(triangles.positions[triangles.corner_vertex[corner]]); }
 
@@ -44,7 +44,7 @@ bool is_degenerate(const Triangles &triangles, int triangle) {
   return glm::length(glm::cross(ab, ac)) <= no_area * longest; // two corners at one position are degenerate, too
 }
 
-// A host that prints what OpenMesh thinks of its meshes helps nobody: refused faces are dealt with below.
+// OpenMesh's messages do not help the host's user: refused faces are handled below.
 void silence_openmesh() {
   static const bool silent = [] {
     omerr().disable();
@@ -55,8 +55,8 @@ void silence_openmesh() {
   static_cast<void>(silent);
 }
 
-// Adds the points of all fans and every triangle in use. A face that OpenMesh refuses gets points of its own: it comes off its
-// neighbors, but it is not lost. corner_vertex receives the OpenMesh vertex of each corner; returns the triangle of each face.
+// Adds the points of all fans and every triangle in use. A face that OpenMesh refuses gets points of its own: it is detached from
+// its neighbors, but not lost. corner_vertex receives the OpenMesh vertex of each corner. Returns the triangle of each face.
 std::vector<int32_t> add_faces(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Fans &fans, Mesh &mesh,
                                std::vector<int32_t> &corner_vertex) {
   const auto add_vertex = [&](int corner) {
@@ -94,7 +94,7 @@ std::vector<int32_t> read_twins(const Mesh &mesh, const std::vector<int32_t> &fa
     auto half_edge = mesh.halfedge_handle(mesh.face_handle(static_cast<unsigned>(face)));
     const int32_t start = mesh.from_vertex_handle(half_edge).idx();
     int corner = 3 * face_triangle[face];
-    while (corner_vertex[corner] != start) ++corner; // it is one of the three
+    while (corner_vertex[corner] != start) ++corner; // ends: one of the three corners matches
     for (int i = 0; i < 3; ++i) {
       half_edge_corner[half_edge.idx()] = corner;
       half_edge = mesh.next_halfedge_handle(half_edge);
@@ -115,8 +115,8 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
   return read_twins(mesh, face_triangle, corner_vertex);
 }
 
-// Whether half-edges that were not paired run between the same two points: OpenMesh knows one edge there, and would pair them or
-// refuse a face. Only an edge that was taken apart, a point of several vertices or copies of faces can cause that.
+// Whether unpaired half-edges run between the same two points: OpenMesh knows only one edge there, and would pair them or refuse
+// a face. This can only happen at an edge that was taken apart, at a point of several vertices, or at copies of faces.
 bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
   std::vector<int32_t> fan_vertex(fans.count);
   for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];
@@ -171,7 +171,7 @@ void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &re
   }
 }
 
-// Among several points of one vertex the widest answers for it, and of equally wide ones, but for rounding, the first.
+// The widest of several points of one vertex answers for it; among equally wide ones, the first.
 void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_split, HalfEdges &result) {
   std::vector<double> angle(result.point_count, 0.0);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
@@ -188,8 +188,8 @@ void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_sp
   }
 }
 
-// A vertex of no face but one that was left out gets the point at its place: that of the corner there of the face that stands in
-// for a copy, else the first. stands_in: as leave_out_copies returns it.
+// Assigns points to vertices whose faces were all left out. Such a vertex gets the point at its place: the point of the face that
+// stands in for a copy, else the first point there. stands_in: as leave_out_copies returns it.
 void answer_left_out(const Triangles &triangles, const Places &places, const std::vector<int32_t> &stands_in, HalfEdges &result) {
   if (!places.are_shared()) return;
   std::vector<int32_t> place_point(triangles.vertex_count, -1);
@@ -238,7 +238,7 @@ void answer_vertices(const Triangles &triangles, const Places &places, const std
   }
 }
 
-// The pairs of a surface without its copies, which are left out.
+// A surface without copies of faces: its places, pairs, and the faces that stand in for those left out.
 struct Surface {
   Places places;
   Pairing pairing;

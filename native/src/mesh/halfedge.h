@@ -1,8 +1,8 @@
 // Triangle list → manifold half-edges, as flat arrays. halfedge.cpp is the only file that includes OpenMesh.
 //
 // A point is a manifold vertex: it has one fan of faces. Vertices that an exporter split share a point; a vertex where several
-// fans touch has several points. Edges are paired by vertex index first; the half-edges that remain are paired by place, so
-// that closed components that merely touch stay apart. Copies of faces leave a surface as it is without them.
+// fans touch has several points. Edges are paired by vertex index first; the remaining half-edges are paired by place, so that
+// closed components that merely touch stay apart. A surface is the same with and without copies of its faces.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ struct HalfEdges {
   std::vector<int32_t> point_vertex;    // (point_count) an original vertex there
   std::vector<int32_t> point_half_edge; // (point_count) an outgoing half-edge; of a boundary point, the one with which turning
                                         // by twin[previous_corner(h)] reaches every face
-  std::vector<int32_t> vertex_point;    // (vertex_count) the point that answers for the vertex; -1: loose. That of a vertex of
-                                        // faces that were left out is the point at its place
+  std::vector<int32_t> vertex_point;    // (vertex_count) the point that answers for the vertex; -1: loose. A vertex whose
+                                        // faces were all left out gets the point at its place
   std::vector<uint8_t> point_boundary;  // (point_count) 1: on a boundary
 
   int degenerate_triangles = 0;
-  int copied_triangles = 0; // left out: at the places of others, see leave_out_copies
+  int copied_triangles = 0; // left out because they lie at the places of others, see leave_out_copies
   int nonmanifold_edges = 0;
-  int opposed_edges = 0; // of those: all faces run along them the same way
+  int opposed_edges = 0; // nonmanifold edges along which all faces run the same way
   int nonmanifold_vertices = 0;
   int boundary_edges = 0;
   int welded_vertices = 0;
@@ -38,15 +38,15 @@ struct HalfEdges {
 // threads as in pdesc_context_options.
 HalfEdges build_half_edges(const Triangles &triangles, int threads = 0);
 
-// Corners around one point that are reached from each other by turning over links (link[h]: the half-edge across, or -1; always
-// mutual). Fans of twins are points, fans of links within charts are wedges.
+// Corners around one point that are reached from each other by turning across links (link[h]: the half-edge across, or -1; links
+// are mutual). Fans of twins are points, fans of links within charts are wedges.
 struct Fans {
   int count = 0;
   std::vector<int32_t> corner_fan; // (3 * triangle_count) numbered by first corner; -1: triangle left out
   std::vector<int32_t> first;      // (count) the corner from which turning by link[previous_corner(h)] reaches every other
 };
 
-// Triangles reached from each other over links.
+// Connected components: triangles that are reached from each other across links.
 struct Pieces {
   int count = 0;
   std::vector<int32_t> triangle_piece; // (triangle_count) numbered by first triangle; -1: left out

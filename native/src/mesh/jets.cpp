@@ -1,5 +1,5 @@
 // Neighbors → moments → normal equations → quadratic and cubic gradients, blended. Compiled once for each set of instructions,
-// under the name KERNEL_TARGET: nothing of it may be shared between them, not even a function of the standard library.
+// under the name KERNEL_TARGET. The variants must not share any code, not even a function of the standard library.
 #include "mesh/jets.h"
 
 namespace paradesc {
@@ -7,7 +7,7 @@ namespace KERNEL_TARGET {
 extern const FitGradients gradients_of_this;
 namespace {
 
-constexpr int spare_neighbors = 2;             // more than coefficients
+constexpr int spare_neighbors = 2;             // needed in addition to the number of coefficients
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
 using Lanes = FanLanes;
 struct Gram {
@@ -19,7 +19,7 @@ struct Scale {
   Lanes &operator[](size_t column) { return of[column]; }
 };
 
-// Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
+// Sums of u^(degree - k) v^k over the neighbors, and the same sums weighted by w: all that the normal equations need.
 struct JetMoments {
   static constexpr size_t max_degree = 6;
   Lanes sum[max_degree + 1][max_degree + 1] = {}; // (degree, k)
@@ -40,8 +40,8 @@ struct JetMoments {
   }
 };
 
-// Normal equations of w = a jet without constant term, gradient last, then the heights themselves. Columns are scaled to unit
-// length; scale keeps the factors, which are no numbers where a column vanishes.
+// Normal equations of w = a jet without constant term: the gradient's columns come last, then the heights. Columns are scaled to
+// unit length; scale keeps the factors, which are NaN or infinite for a zero column.
 void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   struct Monomial {
     size_t degree, k;
@@ -65,17 +65,17 @@ void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
 struct Gradient {
   Lanes u, v;
   Lanes residual;    // sum of squares
-  Lanes least_pivot; // of 1; not above what is enough, or no number, where the neighbors do not determine it
+  Lanes least_pivot; // relative to 1; too small, or NaN, if the neighbors do not determine the gradient
 };
 
-// Eliminates from column `first` on. Higher orders go first, so that the last two pivots show how well the neighbors determine
-// the gradient alone.
+// Eliminates from column `first` on. Higher orders are eliminated first, so that the last two pivots tell how well the neighbors
+// determine the gradient alone.
 template <size_t first> Gradient solve_gradient(Gram gram, Scale &scale) {
   Gradient gradient;
   gradient.least_pivot = gram[first][first];
   for (size_t k = first; k < columns; ++k) {
     const Lanes pivot = gram[k][k], inverse = 1.0 / pivot;
-    gradient.least_pivot = pivot > gradient.least_pivot ? gradient.least_pivot : pivot; // no number stays none
+    gradient.least_pivot = pivot > gradient.least_pivot ? gradient.least_pivot : pivot; // keeps a NaN
     for (size_t a = k + 1; a <= columns; ++a) {
       const Lanes factor = gram[k][a] * inverse;
       for (size_t b = a; b <= columns; ++b) gram[a][b] -= factor * gram[k][b];

@@ -1,5 +1,5 @@
-// Boxes around charts → positions without overlap (stb_rect_pack), texel densities brought near each other, the largest scale
-// that fits.
+// Boxes around charts → positions without overlap (stb_rect_pack), with texel densities brought near each other, at the largest
+// scale that fits.
 #include "mesh/layout.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #define STBRP_STATIC
 #include <stb/stb_rect_pack.h>
 
-// Boxes of one size keep their order, which qsort() leaves to each C library.
+// Sorts stably: the order in which qsort() leaves boxes of one size depends on the C library.
 static void sort_boxes(stbrp_rect *boxes, int count, size_t, int (*compare)(const void *, const void *)) {
   const std::span all(boxes, static_cast<size_t>(count));
   std::stable_sort(all.begin(), all.end(), [&](const stbrp_rect &a, const stbrp_rect &b) { return compare(&a, &b) < 0; });
@@ -29,8 +29,8 @@ namespace {
 
 constexpr int grid = 4096; // units along a side of the layout
 
-constexpr double evenness = 2.0; // how far a chart's texel density may be from that of the others. A face keeps more texels than
-                                 // a foot; with all alike, faces' small triangles would fall between texels
+constexpr double evenness = 2.0; // limit on how far a chart's texel density may be from the others'. A face keeps more texels
+                                 // than a foot; with equal densities, the small triangles of faces would fall between texels
 
 // How close charts may lie, in units; the narrower ones are for maps with very many charts.
 struct Spacing {
@@ -39,9 +39,9 @@ struct Spacing {
 };
 constexpr Spacing spacings[] = {{6, 16.0}, {3, 8.0}, {2, 4.0}}; // three texels of a 1024 buffer between charts, or less
 
-// A chart is taken as stretched if the UV map gives a length on the surface this many doublings more in one direction than in the
-// other. It is widened in that of the fewest texels, until it is so many times as long there as across at most: a longer chart
-// would fill the square with one direction alone.
+// A chart counts as stretched if the UV map gives a length on the surface this many doublings more texels in one direction than
+// in the other. It is widened in the direction with the fewest texels, at most until it is `longest` times as long there as
+// across: a longer chart would fill the square with one direction alone.
 constexpr int least_doublings = 2;
 constexpr double longest = 4.0;
 
@@ -49,14 +49,14 @@ constexpr double longest = 4.0;
 struct Move {
   double cosine = 1.0, sine = 0.0;
   dvec2 low{0.0}, size{0.0};
-  double evening = 1.0; // what brings the chart's texel density near the others'
+  double evening = 1.0; // scale that brings the chart's texel density near the others'
   double scale = 1.0;
   dvec2 origin{0.0};
   dvec2 turn(vec2 uv) const { return {cosine * uv.x - sine * uv.y, sine * uv.x + cosine * uv.y}; }
   vec2 operator()(vec2 uv) const { return vec2(origin + (turn(uv) - low) * scale); }
 };
 
-// A chart's length in the UV map for its length on the surface, and how much of the surface it carries.
+// A chart's length in the UV map per length on its surface, and the surface area that it carries.
 struct Density {
   double density = 0.0, area = 0.0;
 };
@@ -72,7 +72,7 @@ static std::vector<std::vector<int32_t>> corners_by_chart(const Triangles &trian
   return corners;
 }
 
-// Of cosines and sines that are numbers, and not those of a C library, which may differ in the last bit.
+// Rotates by stored cosines and sines instead of calling a C library, whose results may differ in the last bit.
 static dvec2 further(dvec2 turn, dvec2 by) { return {turn.x * by.x - turn.y * by.y, turn.x * by.y + turn.y * by.x}; }
 static constexpr dvec2 quarter_turn(0.0, 1.0);
 
@@ -91,7 +91,7 @@ static Move turned(const Charts &charts, const std::vector<int32_t> &corners, dv
   return move;
 }
 
-// The turn, of a dozen tried, with the smallest box; upright, as boxes fill the square best.
+// The turn with the smallest box out of a dozen, made upright because upright boxes fill the square best.
 static Move best_turn(const Charts &charts, const std::vector<int32_t> &corners) {
   constexpr dvec2 step(0.99144486137381041, 0.13052619222005159); // a twelfth of a quarter turn
   double smallest_area = std::numeric_limits<double>::infinity();
@@ -106,7 +106,7 @@ static Move best_turn(const Charts &charts, const std::vector<int32_t> &corners)
   return turned(charts, corners, best);
 }
 
-// Corners and wedges where moved(chart, uv) puts them.
+// Moves corners and wedges to moved(chart, uv).
 template <class Moved>
 static void move_charts(const std::vector<std::vector<int32_t>> &corners, const Moved &moved, Charts &charts) {
   std::vector<vec2> uvs = charts.corner_uv.copy();
@@ -119,9 +119,9 @@ static void move_charts(const std::vector<std::vector<int32_t>> &corners, const 
   }
 }
 
-// The mean over a chart's surface of the logarithm of its metric, whose determinant is taken as 1. The length is the logarithm of
-// how many times more texels one direction has than the other, and twice the angle that of the direction with fewer: few needles
-// with next to no area in the map do not sway it.
+// The mean, over a chart's surface, of the logarithm of its metric scaled to determinant 1. The vector's length is the logarithm
+// of how many times more texels one direction has than the other; half its angle is the direction with fewer. A few needles with
+// next to no area in the map do not sway this mean.
 static dvec2 mean_stretch(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corners) {
   dvec2 sum(0.0);
   double weight = 0.0;
@@ -135,7 +135,7 @@ static dvec2 mean_stretch(const Triangles &triangles, const Charts &charts, cons
     const double area = length(cross(along_u, along_v));
     const dvec2 shape = dvec2(0.5 * (dot(along_u, along_u) - dot(along_v, along_v)), dot(along_u, along_v)) / area;
     const double size = length(shape);
-    if (!(size > 0.0 && size < 1e30)) continue; // NaN neither
+    if (!(size > 0.0 && size < 1e30)) continue; // false for NaN, too
     const double surface = length(cross(e1, e2));
     sum += surface * logarithm_of(size + std::sqrt(1.0 + size * size)) / size * shape;
     weight += surface;
@@ -143,7 +143,7 @@ static dvec2 mean_stretch(const Triangles &triangles, const Charts &charts, cons
   return weight > 0.0 ? sum / weight : sum;
 }
 
-// Scales charts that the UV map stretches strongly back along that direction. (charts) by what.
+// Scales charts that the UV map stretches strongly back along that direction. Returns the factors, (charts).
 static std::vector<double> unstretch(const Triangles &triangles, const std::vector<std::vector<int32_t>> &corners, int threads,
                                      Charts &charts) {
   std::vector<double> factors(corners.size(), 1.0);
@@ -185,7 +185,7 @@ static std::vector<Density> chart_densities(const Triangles &triangles, const Ch
   return result;
 }
 
-// Half of the surface has more.
+// The density that half of the surface exceeds.
 static double median_density(std::vector<Density> densities) {
   std::sort(densities.begin(), densities.end(),
             [](Density a, Density b) { return a.density != b.density ? a.density < b.density : a.area < b.area; });
@@ -196,7 +196,7 @@ static double median_density(std::vector<Density> densities) {
   return 1.0;
 }
 
-// Packs all charts at this many units per uv; false where they do not fit.
+// Packs all charts at this many units per uv; returns false if they do not fit.
 static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   std::vector<stbrp_rect> rects;
   for (size_t i = 0; i < moves.size(); ++i) {
@@ -204,7 +204,7 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
     const double longer = std::max({move.size.x, move.size.y, 1e-12});
     move.scale = std::max(units * move.evening, spacing.smallest / longer);
     const dvec2 box = move.size * move.scale + 2.0 * spacing.gutter;
-    if (!(box.x <= grid) || !(box.y <= grid)) return false; // NaN neither
+    if (!(box.x <= grid) || !(box.y <= grid)) return false; // true for NaN, too
     rects.push_back(
         {static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
   }
@@ -216,7 +216,7 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   return true;
 }
 
-// The largest scale that fits; empty: none does.
+// Packs at the largest scale that fits; returns an empty array if none does.
 static std::vector<Move> pack_largest(std::vector<Move> moves, Spacing spacing) {
   double area = 0.0;
   for (const Move &move : moves) area += move.size.x * move.size.y * move.evening * move.evening;

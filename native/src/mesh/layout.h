@@ -8,10 +8,10 @@
 
 namespace paradesc {
 
-// The charts, each moved and turned as a whole into the unit square, with a gutter between them; those that are strongly
-// stretched are scaled back along that direction. Seams, wedges and borders stay what they are. A chart that overlaps itself
-// still does: cut it first. None if half of the surface would not get texels at least least_gain times as dense, in the direction
-// in which a chart has the fewest, as it has. threads as in pdesc_context_options.
+// Moves and turns each chart as a whole into the unit square, with a gutter between charts; strongly stretched charts are scaled
+// back along that direction. Seams, wedges and borders stay as they are. A chart that overlaps itself still does: cut it first.
+// Returns nothing unless half of the surface gets texels at least least_gain times as dense as now, in the direction in which
+// each chart has the fewest. threads as in pdesc_context_options.
 std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &charts, double least_gain = 0.0, int threads = 0);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Shortest edge paths from all seams at once (Dijkstra), as far as the radius.
+// Shortest edge paths from all seams at once (Dijkstra), up to the radius.
 #include "mesh/near_seam.h"
 
 #include <limits>

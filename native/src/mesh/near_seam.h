@@ -5,7 +5,7 @@
 
 namespace paradesc {
 
-// (vertex_count) 1 where a seam's end lies within `radius` along edges.
+// (vertex_count) 1 if an edge path of at most `radius` leads to an end of a seam.
 std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts,
                                          double radius);
 

@@ -1,4 +1,4 @@
-// Normals at a triangle's corners → how they turn over it, linearly.
+// Normals at a triangle's corners → the linear gradient of the normal over the triangle.
 #pragma once
 
 #include "mesh/halfedge.h"
@@ -7,14 +7,14 @@
 
 namespace paradesc {
 
-// Two directions at right angles in a plane, unit vectors.
+// Two orthogonal unit vectors that span a plane.
 struct PlaneAxes {
   dvec3 first, second;
 
   dvec2 of(dvec3 v) const { return {glm::dot(v, first), glm::dot(v, second)}; }
 };
 
-// Symmetric, in such a plane.
+// A symmetric tensor in such a plane.
 struct PlaneTensor {
   double xx = 0, xy = 0, yy = 0;
 };
@@ -29,7 +29,7 @@ struct NormalGradient {
   }
 };
 
-// Times twice the triangle's area, which may be 0.
+// The gradient, multiplied by twice the triangle's area because the area may be 0.
 inline NormalGradient gradient_times_twice_area(const Triangles &triangles, const Normals &normals, int32_t triangle,
                                                 const PlaneAxes &axes) {
   const auto place = [&](int32_t k) { return dvec3(triangles.position(3 * triangle + k)); };

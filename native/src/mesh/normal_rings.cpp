@@ -1,4 +1,4 @@
-// Walks over fans, ring after ring.
+// Walks over the rings of fans, ring after ring.
 #include "mesh/normal_rings.h"
 
 #include <algorithm>
@@ -14,16 +14,16 @@ namespace {
 constexpr int enough_neighbors = 14; // a jet of order 3 has nine coefficients; two whole rings have 18 on average
 constexpr int max_rings = 3;
 constexpr int run_length = 8192; // of fans
-constexpr int max_corners = 32;  // taken of one fan: keeps fans of thousands of faces from costing their square
+constexpr int max_corners = 32;  // of one fan that are visited, so that fans of thousands of faces do not cost quadratic time
 
-// Walks the rings of one fan after the other; stamps of what was met live as long as the walker.
+// Walks the rings of one fan after another. Stamps mark what a walk has met, and are kept as long as the walker.
 class RingWalker {
 public:
   RingWalker(const HalfEdges &half_edges, const NormalRings &rings, const FanCorners &fans)
       : half_edges_(half_edges), rings_(rings), fans_(fans), fan_stamp_(static_cast<size_t>(rings.fan_count), -1),
         point_stamp_(static_cast<size_t>(half_edges.point_count), -1), face_stamp_(rings.corner_fan->size() / 3, -1) {}
 
-  // Appends to vertices and faces.
+  // Appends the fan's neighbors and faces to these arrays.
   void walk(int fan, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
     const size_t begin = vertices.size();
     fan_ = fan;
@@ -91,7 +91,7 @@ RingRun walk_run(RingWalker &walker, int begin, int end) {
 
 void append(const std::vector<int32_t> &from, std::vector<int32_t> &to) { to.insert(to.end(), from.begin(), from.end()); }
 
-// Each run is given up as soon as it is copied: rings take more memory than the mesh.
+// Frees each run as soon as it is copied, because rings take more memory than the mesh.
 void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
   size_t vertices = 0, faces = 0;
   for (const RingRun &run : runs) {
@@ -168,7 +168,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
 void walk_rings(const HalfEdges &half_edges, const NormalRings &rings, const FanCorners &fans, int threads,
                 const std::function<void(RingRun)> &use) {
   const Blocks runs{rings.fan_count, run_length};
-  // There are as many shares as threads; each has stamps of its own.
+  // Makes one share per thread, because each walker has stamps of its own.
   const int shares = std::min(thread_count(threads), std::max(runs.number(), 1));
   parallel_blocks(shares, threads, 1, [&](int share, int) {
     const auto first_of = [&](int i) { return static_cast<int>(int64_t{runs.number()} * i / shares); };

@@ -22,7 +22,7 @@ struct NormalRings {
   std::vector<int32_t> point_fan;                         // (point_count) below 0 for points of several fans, or none
   bool one_fan_a_point = false;                           // everywhere
   std::vector<int64_t> fan_begin;                         // (fan_count + 1) into fan_vertex
-  std::vector<int32_t> fan_vertex;  // the fan's own vertex; those around it, in turning order: each face lies between two of them
+  std::vector<int32_t> fan_vertex;  // the fan's own vertex, then its neighbors in turning order: each face lies between two
   std::vector<int64_t> ring_begin;  // (fan_count + 1) into ring_vertex
   std::vector<int32_t> ring_vertex; // neighbors over rings of the mesh, nearest ring first, creases never crossed
   std::vector<int64_t> face_begin;  // (fan_count + 1) into face
@@ -41,11 +41,11 @@ struct RingRun {
   std::vector<int32_t> ring_size, face_size, vertices, faces;
 };
 
-// Appends where lists of these sizes begin, behind those that end at begins.back(). A mesh has far more neighbors in rings than
-// corners.
+// Appends the begins of lists of these sizes, following the lists that end at begins.back(). The begins are 64-bit: a mesh has
+// far more ring neighbors than corners.
 void append_begins(const std::vector<int32_t> &sizes, std::vector<int64_t> &begins);
 
-// The fans, which end at creases; no rings.
+// Finds the fans, which end at creases, without their rings.
 FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, NormalRings &rings);
 
 // use(run) for all fans, run by run in any order, from all threads.

@@ -19,15 +19,15 @@ namespace paradesc {
 namespace {
 
 constexpr int block_size = 1024;
-// For smooth surfaces only: beyond these, in cosines, the fit gives way to the mean of the fan's faces. The spread is that of
-// faces by their areas.
+// Limits for the fit, as cosines. Beyond them the fit gives way to the mean of the fan's faces, because a fit suits only smooth
+// surfaces. The spread is that of the faces' normals, weighted by area.
 constexpr double spread_full = 0.9;              // 26 degrees: up to here the fit alone
 constexpr double spread_none = 0.8;              // 37 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
-// The normal is the mean of all faces around if neighbors lie off the fit, by noise, stairs or detail that the mesh cannot show: vector
-// areas are linear in positions, so that noise cancels in them, and fits differentiate it. The limits are in distances of the
-// neighbors, and in their heights, since the fit still tells how a surface bends that bends by more than that.
+// If neighbors lie off the fit, by noise, steps or detail finer than the mesh, the normal is the mean of all faces around: vector
+// areas are linear in positions, so noise cancels, while a fit differentiates it. The first two limits are relative to distances
+// of neighbors, the others to their heights, because on a surface that bends by more than that the fit still shows the bending.
 constexpr double noise_none = 0.015;
 constexpr double noise_full = 0.05;
 constexpr double share_none = 0.15;
@@ -37,7 +37,7 @@ constexpr double share_full = 0.4;
 
 dvec3 position(const Triangles &triangles, int vertex) { return dvec3(triangles.positions[vertex]); }
 
-// Edges of a corner's triangle that start from it.
+// The two edges of a corner's triangle that start at the corner.
 std::pair<dvec3, dvec3> corner_edges(const Triangles &triangles, int corner) {
   const auto vertex = [&](int c) { return position(triangles, triangles.corner_vertex[c]); };
   const dvec3 p = vertex(corner);
@@ -49,7 +49,7 @@ dvec3 unit_or(dvec3 v, dvec3 otherwise) {
   return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
-// A unit normal, and the root of twice the area, which floats hold at all sizes.
+// A unit normal, and the root of twice the area: floats hold it at all sizes of a mesh.
 struct FaceNormal {
   vec3 normal;
   float size;
@@ -77,12 +77,12 @@ std::span<const int32_t> slice(const std::vector<int64_t> &begins, const std::ve
 struct Sources {
   const Triangles &triangles;
   const NormalRings &rings;
-  std::span<const FaceNormal> faces; // of all, or none: they are measured one by one
+  std::span<const FaceNormal> faces; // of all faces; empty: they are measured one by one
 
   FaceNormal face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
 };
 
-// use(a, b, |a|² |b|²) for each face of a fan, whose edges from the fan's own vertex are a and b.
+// Calls use(a, b, |a|² |b|²) for each face of a fan; a and b are its edges from the fan's own vertex.
 void for_each_face(const Sources &from, int fan, const auto &use) {
   const auto vertices = slice(from.rings.fan_begin, from.rings.fan_vertex, fan);
   const dvec3 p = position(from.triangles, vertices[0]);
@@ -108,20 +108,20 @@ double mean_squares(const Sources &from, int fan) {
   return sum / count;
 }
 
-// N. Max's weights, 1 / |a|² |b|² of the face's vector area, from edges to the vertices around. From least_squares down faces
-// count by their areas alone: a sliver whose edge is one rounding long would decide otherwise, by a direction that says nothing.
+// N. Max's normal: the sum of the faces' vector areas, each over |a|² |b|² of its edges at the vertex. If that product is below
+// least_squares, a face counts by area: a sliver whose edge is one rounding long would dominate with a meaningless direction.
 dvec3 max_normal(const Sources &from, int fan, double least_squares = 0) {
   dvec3 sum(0);
   for_each_face(from, fan, [&](dvec3 a, dvec3 b, double squares) {
     if (const double most = std::max(squares, least_squares); most > 0) sum += glm::cross(a, b) / most;
   });
   if (const dvec3 normal = unit_or(sum, dvec3(0)); normal != dvec3(0)) return normal;
-  dvec3 last(0, 0, 1); // faces that cancel out: the last one's, which has one
+  dvec3 last(0, 0, 1); // used if the faces cancel out: the normal of the last face that has one
   for_each_face(from, fan, [&](dvec3 a, dvec3 b, double) { last = unit_or(glm::cross(a, b), last); });
   return last;
 }
 
-// 1 where value >= full, 0 where value <= none, smooth between.
+// A smooth step: 1 if value >= full, 0 if value <= none.
 double smooth_step(double none, double full, double value) {
   const double t = std::clamp((value - none) / (full - none), 0.0, 1.0);
   return t * t * (3 - 2 * t);
@@ -130,11 +130,11 @@ double smooth_step(double none, double full, double value) {
 // Unit normals of some fans, and the variance of positions around the fits.
 struct FanNormals {
   std::vector<vec3> normal;
-  std::vector<float> noise; // none where nothing is fitted
+  std::vector<float> noise; // empty if nothing is fitted
   FanNormals(int count, bool fitted) : normal(static_cast<size_t>(count)), noise(fitted ? normal.size() : 0) {}
 };
 
-// Fits fans in lanes, as many at a time as there are.
+// Fits fans in lanes, a full set of lanes at a time.
 class Fitter {
 public:
   Fitter(const Sources &from, FanNormals &fans) : from_(from), fans_(fans) {}
@@ -142,7 +142,7 @@ public:
   Fitter(const Fitter &) = delete;
   Fitter &operator=(const Fitter &) = delete;
 
-  // ring, faces: as NormalRings has them. place: of the normal.
+  // ring, faces: as in NormalRings. place: the index of the normal.
   void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
     const dvec3 n = max_normal(from_, fan, mean_squares(from_, fan));
     double spread = 1;
@@ -161,7 +161,7 @@ private:
     dvec3 mean; // of the faces of the rings, by their areas
   };
 
-  // The direction of the faces' mean by their areas; spread: its cosine with the normal, by its length.
+  // The direction of the area-weighted mean of the faces' normals. spread: that mean's length times its cosine with the normal.
   dvec3 mean_of(std::span<const int32_t> faces, dvec3 n, double &spread) const {
     dvec3 sum(0);
     double areas = 0;
@@ -250,7 +250,7 @@ FanNormals fitted_normals(const Sources &from, int count, int threads, const aut
   return fans;
 }
 
-// Each run of rings is given up as soon as its normals are known.
+// Frees each run of rings as soon as its normals are known.
 FanNormals fitted_normals_once(const Sources &from, const HalfEdges &half_edges, const FanCorners &corners, int threads) {
   FanNormals fans(from.rings.fan_count, true);
   walk_rings(half_edges, from.rings, corners, threads, [&](const RingRun &run) {
@@ -282,7 +282,7 @@ std::vector<vec3> input_corner_normals(const Triangles &triangles, const HalfEdg
   return corners;
 }
 
-// The mean of the normals of the point's corners by angle; corners that agree need no mean.
+// The mean, by angle, of the normals of the point's corners; the common normal if they all agree.
 vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, int point) {
   const int first = half_edges.point_half_edge[point];
   const vec3 first_normal = normals.corner(static_cast<size_t>(first));
@@ -314,7 +314,7 @@ float Normals::noise_of(int32_t triangle) const {
   return sum / 3.0f;
 }
 
-// group: as Normals has it. rings: of which it is; null: of corners.
+// group: as in Normals. rings: of the fans that group belongs to; null if it belongs to corners.
 static Normals with_points(const Triangles &triangles, const HalfEdges &half_edges, std::vector<vec3> group,
                            const NormalRings *rings, int threads) {
   Normals normals;
@@ -338,7 +338,7 @@ static Normals given_normals(const Triangles &triangles, const HalfEdges &half_e
   return with_points(triangles, half_edges, std::move(corners), nullptr, threads);
 }
 
-// fit(sources): the normals of all fans.
+// fit(sources) returns the normals of all fans.
 template <class Fit>
 static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                            int threads, const Fit &fit) {

@@ -1,4 +1,4 @@
-// Positions → unit normals at corners and at points. "Normals decide" the error of everything else, see native/README.md.
+// Positions → unit normals at corners and at points. Errors of normals dominate all other errors, see native/README.md.
 #pragma once
 
 #include <array>
@@ -15,37 +15,37 @@ namespace paradesc {
 struct Normals {
   std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // of the rings; none where corners have normals of their own
-  std::vector<float> noise; // of each fan: variance of the positions around the fit, along the normal; none where nothing is fitted
-  std::vector<vec3> point; // (point_count) unit: of the evaluation at that point, common to all its fans
-  // Unit; zero for triangles left out.
+  std::vector<float> noise; // (fans) variance of the positions around the fit, along the normal; empty if nothing is fitted
+  std::vector<vec3> point; // (point_count) unit: the normal for evaluation at that point, common to all its fans
+  // The unit normal of a corner; zero for triangles left out.
   vec3 corner(size_t corner) const {
     if (!corner_fan) return group[corner];
     const int32_t fan = (*corner_fan)[corner];
     return fan < 0 ? vec3(0.0f) : group[fan];
   }
-  // Mean over the triangle; NaN where it is not known.
+  // The mean noise of a triangle's corners; NaN if it is not known.
   float noise_of(int32_t triangle) const;
 };
 
-// The normals of a surface at one moment, or what an engine fits them to by itself; either is made when first asked for.
+// The normals of a surface at one moment, and the rings from which an engine may fit them itself. Both are made on first use.
 struct NormalsOnDemand {
   std::function<const Normals &()> make;
   std::function<const NormalRings &()> rings = nullptr; // none where corners have normals of their own
-  std::array<uint64_t, 3> key{};                        // of one mesh: differs whenever they do
-  uint64_t fans_version = 0;                            // differs whenever corners come to share a normal, or no longer do
+  std::array<uint64_t, 3> key{};                        // differs whenever the normals of one mesh do
+  uint64_t fans_version = 0;                            // differs whenever the set of corners that share a normal does
   int32_t kind = PDESC_NORMALS_FITTED;                  // pdesc_normals
 
   const Normals &operator()() const { return make(); }
 };
 
-// kind as pdesc_normals; threads as in pdesc_context_options. Throws Error(INVALID_OPERATION) for MESH where no corner normals
-// were given.
+// kind as pdesc_normals; threads as in pdesc_context_options. Throws Error(INVALID_OPERATION) for MESH if no corner normals were
+// given.
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads);
-// (fans) of these alone; kind: fitted or Max's.
+// (fans) the normals of these fans alone; kind: fitted or Max's.
 std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRings &rings, int32_t kind,
                                       std::span<const int32_t> fans, int threads);
-// Without rings, which take more memory than the mesh: the same bits, and the time of making the rings.
+// Computes normals without storing rings, which take more memory than the mesh. The bits are the same; the rings cost time again.
 Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
                              int threads);
 

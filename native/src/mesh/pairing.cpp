@@ -1,4 +1,4 @@
-// Edges of two faces are paired at once; at edges of more, copies of faces are told apart, and what is left is taken apart.
+// Pairs edges of two faces at once. At edges of more faces, copies of faces are told apart, and what remains is taken apart.
 #include "mesh/pairing.h"
 
 #include <tuple>
@@ -11,7 +11,7 @@ public:
   Pairer(const Triangles &triangles, const Places &places, const Copies *copies, Pairing &pairing)
       : places_(places.ids(triangles)), copies_(copies), pairing_(pairing) {}
 
-  // Pairs what can be paired without doubt and returns the half-edges that may have a twin at another vertex.
+  // Pairs all unambiguous half-edges and returns those that may have a twin at another vertex.
   std::vector<int32_t> pair_by(const std::vector<int32_t> &ids, int id_count, std::span<const int32_t> half_edges) {
     ids_ = &ids;
     thirds_of_ = copies_ ? &places_ : &ids; // while no copies are known, the ids are at hand
@@ -50,7 +50,7 @@ private:
     pairing_.has_copies = std::ranges::adjacent_find(thirds_) != thirds_.end();
   }
 
-  // The faces here lie at one, two or more triples of places.
+  // Pairs the faces of an edge if they lie at two triples of places; takes the edge apart if there are more.
   void pair_among_copies(std::span<const int32_t> edge, std::vector<int32_t> &alone) {
     const int32_t first = copies_->group[edge[0] / 3];
     int32_t second = first;
@@ -59,14 +59,14 @@ private:
       if (second == first) second = group;
       if (group != first && group != second) return take_apart(edge);
     }
-    // Those of one group and way come in the order of their ranks, and each has its twin in the other group.
+    // The order puts half-edges of one group and winding by rank, each next to its twin in the other group.
     const auto key = [&](int32_t h) {
       const bool is_first = copies_->group[h / 3] == first;
       return std::tuple(is_first == opposite(h, edge[0]), copies_->rank[h / 3], !is_first);
     };
     sorted_.assign(edge.begin(), edge.end());
     std::ranges::sort(sorted_, {}, key);
-    bool paired = second == first; // or rather, there is nothing to pair
+    bool paired = second == first; // true: there is nothing to pair
     for (size_t i = 1; i < sorted_.size(); ++i) {
       const auto [way, rank, is_second] = key(sorted_[i]);
       if (!is_second || key(sorted_[i - 1]) != std::tuple(way, rank, false)) continue;

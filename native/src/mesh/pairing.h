@@ -18,16 +18,16 @@ struct Pairing {
   std::vector<uint8_t> nonmanifold; // (3 * triangle_count) 1: a side of an edge that was taken apart
   std::vector<int32_t> open;        // half-edges that have no twin and were not taken apart
   int nonmanifold_edges = 0;
-  int opposed_edges = 0;   // of those: all faces run along them the same way
-  bool has_copies = false; // faces at the same three places meet at an edge, or there are some among the copies given
+  int opposed_edges = 0;   // nonmanifold edges along which all faces run the same way
+  bool has_copies = false; // faces at the same three places meet at an edge, or the given copies are not empty
 };
 
-// Faces at the same three places are never paired with each other, but each with what goes on beside it: an edge of two faces and
-// copies of them is paired as often as its faces are there. copies: of find_copies, or null to find out whether there are any.
+// Faces at the same three places are never paired with each other; each is paired with a face beside it. An edge between two
+// faces that have n copies each gets n pairs. copies: from find_copies, or null to find out whether there are any.
 Pairing pair_half_edges(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out,
                         const Copies *copies = nullptr);
 
-// Calls visit(span of half-edges) once for each edge of the half-edges given, ids[corner] being the ends.
+// Calls visit(span of half-edges) once for each edge of the given half-edges; ids[corner] identifies their ends.
 template <class Visit>
 void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_t> &ids, int id_count, const Visit &visit) {
   struct Side {

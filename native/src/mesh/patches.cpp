@@ -1,4 +1,4 @@
-// Patches grow from triangle to triangle, round, and the next begins beside the last.
+// Grows round patches from triangle to triangle; the next patch starts beside the last one.
 #include "mesh/patches.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ private:
     return sides;
   }
 
-  // Adds triangles in notches first, the others breadth first.
+  // Adds triangles in notches of the patch first, all others breadth first.
   void grow(int32_t seed) {
     const int32_t patch = patches_.count(), first = patch * Patches::max_triangles;
     patches_.triangle.resize(patches_.triangle.size() + Patches::max_triangles, -1);

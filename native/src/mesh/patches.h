@@ -1,4 +1,4 @@
-// Half-edges → connected patches of a few triangles each: what is looked at as a whole where triangles are many.
+// Half-edges → connected patches of a few triangles each, which are handled as a whole where there are many triangles.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace paradesc {
 
-// Depends on how the mesh hangs together alone, not on positions. A triangle's code is its patch times max_triangles, and its
-// place there: a bit of one word.
+// Patches depend on connectivity alone, not on positions. A triangle's code is patch * max_triangles + its place in the patch;
+// this place is the number of a bit in one word.
 struct Patches {
   static constexpr int32_t max_triangles = 32;
 

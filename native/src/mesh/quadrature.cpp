@@ -8,7 +8,7 @@
 namespace paradesc {
 namespace {
 
-// A chord of the disc shorter than this share of its radius only grazes it; what it cuts off is rounding.
+// A chord shorter than this share of the disc's radius only grazes the disc; the part that it cuts off is rounding.
 constexpr double grazing = 1e-6;
 
 struct Chord {
@@ -16,7 +16,7 @@ struct Chord {
   bool enters, exits; // at the circle, not at a corner
 };
 
-// The part of a + t (b - a) within the disc; false where there is none.
+// Finds the part of a + t (b - a) within the disc; returns false if there is none.
 bool clip_edge(dvec2 a, dvec2 b, double radius, Chord &chord) {
   const dvec2 direction = b - a;
   const double length2 = glm::dot(direction, direction);
@@ -38,7 +38,7 @@ double counter_clockwise_angle(dvec2 from, dvec2 to) {
 
 void add_arc(DiscRegion &region, dvec2 from, dvec2 to) {
   const double angle = counter_clockwise_angle(from, to);
-  // A whole turn between two ends that all but coincide is rounding: real ones lose at least a chord.
+  // A whole turn between two ends that almost coincide is rounding: a real one lacks at least a chord.
   if (!(angle > 0) || angle > 2 * pi - 0.9 * grazing) return;
   region.pieces[region.count++] = {from, to, angle_of(from.y, from.x), angle};
 }

@@ -25,11 +25,11 @@ struct DiscRegion {
   std::array<BoundaryPiece, 6> pieces; // counter-clockwise
 };
 
-// corners counter-clockwise. count = 0 where triangle and disc do not overlap.
+// corners: counter-clockwise. The count is 0 if triangle and disc do not overlap.
 DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius);
 
-// The point of a triangle nearest to the origin. Where the region is not empty it lies in it, and integrands that vary fastest
-// near the ball's center do so there, where sectors that start from it have their points closest together.
+// The point of a triangle nearest to the origin. It lies in the region unless that is empty. Integrands vary fastest near the
+// ball's center; sectors that start from this point have their nodes closest together there.
 dvec2 nearest_to_origin(const std::array<dvec2, 3> &corners);
 
 struct GaussRule {
@@ -39,7 +39,7 @@ struct GaussRule {
 // points: 2, 3, 4, 6, 8 or 12.
 GaussRule gauss_rule(int points);
 
-// visit(x, weight) over one sector.
+// Calls visit(x, weight) over one sector.
 template <class Visit>
 void visit_sector(const DiscRegion &region, const BoundaryPiece &piece, dvec2 center, const GaussRule &rule, const Visit &visit) {
   const size_t count = rule.nodes.size();
@@ -60,7 +60,7 @@ void visit_sector(const DiscRegion &region, const BoundaryPiece &piece, dvec2 ce
   }
 }
 
-// Calls visit(x, angle) along the arcs of the region's rim; angle is the part of the turn that x stands for.
+// Calls visit(x, angle) along the arcs of the region's rim; angle is the share of the turn that x represents.
 template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule &rule, const Visit &visit) {
   for (int k = 0; k < region.count; ++k) {
     const BoundaryPiece &piece = region.pieces[k];
@@ -75,7 +75,7 @@ template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule
   }
 }
 
-// visit(x, weight) over the region.
+// Calls visit(x, weight) over the region.
 template <class Visit> void visit_region(const DiscRegion &region, dvec2 center, const GaussRule &rule, const Visit &visit) {
   constexpr double widest_arc = 0.5 * pi;
   for (int k = 0; k < region.count; ++k) {

@@ -1,6 +1,6 @@
 // Boxes are halved at the median of the triangles' middles along their longest axis, level by level, the boxes of a level on all
-// cores. All numbers behind a decision are doubles, and what is met follows from the triangles alone: the tree only leaves out
-// what lies too far.
+// cores. All decisions are made in doubles, and a hit depends on the triangles alone: the tree only skips what lies too far
+// away.
 #include "mesh/ray_tree.h"
 
 #include <algorithm>
@@ -17,11 +17,11 @@ namespace {
 
 constexpr int leaf_triangles = 4;
 constexpr int deepest = 64; // of the tree; it has at most 31 levels
-// A ray is known to a few roundings of its point's and the triangles' coordinates; boxes are looked at by so much more.
+// Rays and triangles are known to a few roundings of their coordinates; boxes are enlarged by this share of them.
 constexpr double rounding = 1e-13;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// Of the first two coordinates.
+// The z coordinate of the cross product: twice the signed area in the first two coordinates.
 double cross(const dvec3 &a, const dvec3 &b) { return a.x * b.y - a.y * b.x; }
 
 double largest(const dvec3 &a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
@@ -35,7 +35,7 @@ bool is_nearer(const RayHit &a, const RayHit &b) {
 }
 
 Ray::Ray(dvec3 point, dvec3 direction) : point_(point) {
-  direction /= largest(direction); // whose square might not be a number
+  direction /= largest(direction); // otherwise its square might overflow
   direction = glm::normalize(direction);
   for (int axis = 0; axis < 3; ++axis) {
     const double along = direction[axis];
@@ -46,7 +46,7 @@ Ray::Ray(dvec3 point, dvec3 direction) : point_(point) {
     if (std::abs(direction[axis]) > std::abs(direction[z_])) z_ = axis;
   x_ = (z_ + 1) % 3;
   y_ = (x_ + 1) % 3;
-  if (direction[z_] < 0) std::swap(x_, y_); // so that windings stay as they are
+  if (direction[z_] < 0) std::swap(x_, y_); // keeps the winding
   shear_x_ = direction[x_] / direction[z_];
   shear_y_ = direction[y_] / direction[z_];
   scale_ = 1 / direction[z_];
@@ -115,7 +115,7 @@ void RayTree::bound(Node &node) const {
     }
 }
 
-// Puts the half of a node's triangles that lies lower before the other.
+// Partitions a node's triangles at the median along its longest axis, the lower half first.
 void RayTree::split(const Node &node, const std::vector<vec3> &middles) {
   int axis = 0;
   for (int other = 1; other < 3; ++other)
@@ -158,7 +158,7 @@ RayHit RayTree::nearest(const Ray &ray, double reach) const {
   RayHit best;
   if (nodes_.empty()) return best;
   const double slack = rounding * std::max(largest(ray.point()), largest_);
-  // How far from the ray's point it runs through a box, if it does.
+  // The distance along the ray from its point to where it enters a box, if it does.
   const dvec3 below = ray.point() + slack, above = ray.point() - slack;
   const auto nearest_in_box = [&](const Node &node) {
     double begin = -infinite, end = infinite;
@@ -189,7 +189,7 @@ RayHit RayTree::nearest(const Ray &ray, double reach) const {
       continue;
     }
     const double one = nearest_in_box(nodes_[node.first]), other = nearest_in_box(nodes_[node.first + 1]);
-    const int32_t nearer = one <= other ? 0 : 1; // it waits on top
+    const int32_t nearer = one <= other ? 0 : 1; // pushed last, so that it is visited first
     add(node.first + 1 - nearer, std::max(one, other));
     add(node.first + nearer, std::min(one, other));
   }

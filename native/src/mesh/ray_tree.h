@@ -10,25 +10,25 @@
 
 namespace paradesc {
 
-// What is met: none where triangle is -1.
+// The hit of a ray; triangle is -1 if there is none.
 struct RayHit {
   int32_t triangle = -1;
   double distance = 0; // along the direction, below 0 behind the point
   std::array<double, 3> weights{};
 };
 
-// Whether a is what a ray meets first: of two at one distance the one ahead counts, then that of the lower number.
+// Whether hit a comes before hit b. At equal distances the one ahead of the point comes first, then the lower triangle.
 bool is_nearer(const RayHit &a, const RayHit &b);
 
-// A ray in coordinates of its own, in which it is the third axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
-// 2013). What it sees of an edge depends on the two ends alone, so both triangles beside an edge agree on which side of it the
-// ray passes.
+// A ray in its own coordinates, in which it is the third axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
+// 2013). The side on which it passes an edge depends on the edge's two ends alone, so both triangles of the edge agree about
+// that side.
 class Ray {
 public:
-  // The direction must have a length, and all numbers be finite.
+  // The direction must not be zero, and all numbers must be finite.
   Ray(dvec3 point, dvec3 direction);
 
-  // Where it meets the triangle on either side of its point, if the triangle's outside faces along its direction.
+  // Intersects the triangle, on either side of the ray's point, if the triangle's front faces along the direction.
   RayHit meet(int32_t triangle, dvec3 a, dvec3 b, dvec3 c) const;
 
   const dvec3 &point() const { return point_; }
@@ -42,25 +42,25 @@ private:
   double shear_x_, shear_y_, scale_;
 };
 
-// The arrays are borrowed.
+// The arrays passed to the constructor are borrowed.
 class RayTree {
 public:
   RayTree(std::span<const float> positions, std::span<const int32_t> triangle_vertices, int threads);
 
-  // What the ray meets at most so far from its point.
+  // The nearest hit at a distance of at most `reach` from the ray's point.
   RayHit nearest(const Ray &ray, double reach) const;
 
 private:
   struct Node {
     std::array<float, 3> low, high;
-    int32_t first, count; // of the triangles in order_ and corners_; count 0: first is the node of the first of two children
+    int32_t first, count; // range in order_ and corners_; count 0: an inner node, first is the first of its two children
   };
 
   dvec3 position(int32_t triangle, int corner) const;
   bool has_place(int32_t triangle) const;
   void bound(Node &node) const;
   void split(const Node &node, const std::vector<vec3> &middles);
-  // Bounds the nodes from this one on and appends their children; gives the first of these.
+  // Bounds the nodes from index `level` on and appends their children; returns the index of the first child.
   size_t divide(size_t level, const std::vector<vec3> &middles, int threads);
   void meet_all(const Node &node, const Ray &ray, double reach, RayHit &best) const;
 

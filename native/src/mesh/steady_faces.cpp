@@ -1,4 +1,4 @@
-// Corners that leave no doubt about a normal do with floats, four faces at a time; the others take doubles.
+// Corners whose normals are clearly above rounding are handled in floats, four faces at a time; the others in doubles.
 #include "mesh/steady_faces.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ bool is_needle(const Triangles &triangles, int index) {
   return face.is_needle(face.product());
 }
 
-// Other than this one.
+// The longest edge of the face other than `other`.
 int longest_edge(const Triangles &triangles, int face, int other) {
   int longest = -1;
   double most = -1;
@@ -61,7 +61,7 @@ bool Face::is_needle(dvec3 product) const {
 }
 
 int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face) {
-  constexpr int most_steps = 8; // needles lie beside needles
+  constexpr int most_steps = 8; // several steps, because needles lie beside needles
   int steady = face, entered = -1;
   for (int step = 0; step < most_steps; ++step) {
     if (!is_needle(triangles, steady)) return steady;
@@ -81,7 +81,7 @@ dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int
 }
 
 static void round_some(const Triangles &triangles, const HalfEdges &half_edges, int begin, int end, std::span<vec3> normals) {
-  constexpr float least_sine = 0.1f, least_square = 1e-30f; // floats below have fewer digits
+  constexpr float least_sine = 0.1f, least_square = 1e-30f; // limits below which floats keep too few digits
   constexpr auto rounding = static_cast<float>(4 * ROUNDING);
   for (int first = begin; first < end; first += lanes) {
     const auto corner = [&](int k) {
@@ -109,7 +109,7 @@ static void round_some(const Triangles &triangles, const HalfEdges &half_edges, 
   }
 }
 
-// The vector area of the faces around a point. Moving the point among its neighbors does not change it.
+// The vector area of the faces around a point. It does not change when the point moves among its neighbors.
 static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges, int point) {
   const int first = half_edges.point_half_edge[point];
   dvec3 area(0);
@@ -121,7 +121,7 @@ static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges
   return area;
 }
 
-// The direction of the surface around a face that is folded over, as one is whose vertex has moved past the opposite edge.
+// The direction of the surface around a folded face, for instance one with a vertex that has moved past the opposite edge.
 static std::optional<vec3> unfolded(const Triangles &triangles, const HalfEdges &half_edges, int face, dvec3 normal) {
   dvec3 sum(0);
   for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {

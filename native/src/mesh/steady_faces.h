@@ -1,4 +1,4 @@
-// Triangles → normals that rounding of the positions leaves in no doubt, and the angles between them.
+// Triangles → normals that are certain despite the rounding of positions, and the angles between them.
 #pragma once
 
 #include <span>
@@ -8,18 +8,18 @@
 
 namespace paradesc {
 
-// Of the largest coordinate: below that, heights say nothing. 64 roundings of a float.
+// Heights below this share of the largest coordinate are meaningless: 64 roundings of a float.
 constexpr double ROUNDING = 1.0 / (1 << 17);
 
-// The face itself; of a needle, lower than what rounds positions, the first face behind longest edges that is none.
+// The face itself. For a needle (height below rounding), walks across longest edges to the first face that is not a needle.
 int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face);
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
-// Those of all faces, rounded to floats, which is faster. A face that is folded over its neighbors has the direction of the
-// surface around it. normals: (triangle_count).
+// The normals of all faces, rounded to floats, which is faster. A face that is folded over its neighbors gets the direction of
+// the surface around it. normals: (triangle_count).
 void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, std::span<vec3> normals, int threads = 0);
 
-// By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the
-// surface is convex.
+// The signed angle between two unit normals around their common edge, which runs with the left face: in (-pi, pi], positive if
+// the surface is convex.
 double bend_between(dvec3 left, dvec3 right, dvec3 along);
 // The angle by which the surface turns at a half-edge, in (-pi, pi]: positive where it is convex; 0 at boundaries.
 double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge);
@@ -30,7 +30,7 @@ struct Face {
 
   Face(const Triangles &triangles, int face);
   dvec3 product() const { return glm::cross(b - a, c - a); }
-  bool is_needle(dvec3 product) const; // lower than what rounds positions, by far: its normal says nothing
+  bool is_needle(dvec3 product) const; // its height is far below the rounding of positions, so its normal is meaningless
 };
 
 inline dvec3 along(const Triangles &triangles, int half_edge) {

@@ -1,4 +1,4 @@
-// The caller's arrays → a triangle list of our own, or one sentence that names the first index or coordinate not usable.
+// The caller's arrays → our own triangle list, or one sentence that names the first index or coordinate that cannot be used.
 #include "mesh/triangles.h"
 
 #include <algorithm>
@@ -71,7 +71,7 @@ void check_indices(const pdesc_mesh_input &input) {
 void check_positions(const float *positions, int32_t vertex_count) {
   const auto count = 3 * at(vertex_count);
   bool usable = true;
-  for (size_t i = 0; i < count; ++i) usable &= std::abs(positions[i]) <= largest_coordinate; // by vectors
+  for (size_t i = 0; i < count; ++i) usable &= std::abs(positions[i]) <= largest_coordinate; // vectorized
   if (usable) return;
   for (int64_t i = 0; i < int64_t{3} * vertex_count; ++i) {
     const float value = positions[i];
@@ -135,7 +135,7 @@ void map_uvs_into_unit_square(Triangles &triangles) {
   if (!triangles.uv_remapped) return;
   checkpoint();
   const double scale = 1.0 / std::max({1.0, highest.x - lowest.x, highest.y - lowest.y});
-  // Relative to the lowest corner: a layout far from the origin keeps its digits.
+  // Subtracts the lowest corner first, so that a layout far from the origin keeps its digits.
   const dvec2 origin = glm::clamp(lowest * scale, dvec2(0), glm::max(dvec2(0), 1.0 - (highest - lowest) * scale));
   std::vector<vec2> inside = triangles.input_uv.copy();
   for (vec2 &uv : inside) uv = glm::clamp(vec2(origin + (dvec2(uv) - lowest) * scale), 0.0f, 1.0f);

@@ -26,10 +26,10 @@ struct Triangles {
   const vec3 &position(int32_t corner) const { return positions[corner_vertex[corner]]; }
 };
 
-// Throws Error(INVALID_ARGUMENT) with the first offender.
+// Throws Error(INVALID_ARGUMENT) that names the first index or coordinate that cannot be used.
 Triangles read_triangles(const pdesc_mesh_input &input);
 
-// Throws Error(INVALID_ARGUMENT) where a coordinate is not finite or a count does not fit.
+// Throws Error(INVALID_ARGUMENT) if a coordinate is not finite or a count does not fit.
 void set_positions(Triangles &triangles, const float *positions, int32_t vertex_count);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// A hash table of positions, and one of the cells of a grid for those that are nearly equal.
+// A hash table of positions, and a hash table of grid cells for positions that are nearly equal.
 #include "mesh/weld.h"
 
 #include <algorithm>
@@ -34,13 +34,13 @@ void find_corners(const Triangles &triangles, Places &places) {
   }
 }
 
-// Places that are kept, in cells of a grid, of which a search touches one or two along each axis; finds the nearest within reach.
+// A grid of the places that are kept; finds the nearest within reach. A search visits one or two cells along each axis.
 class Grid {
 public:
   Grid(const std::vector<vec3> &positions, const std::vector<float> &reach, size_t places, float most)
       : positions_(positions), reach_(reach), cell_(4 * most), most_(most), table_(std::bit_ceil(2 * places), -1) {}
 
-  // -1: none.
+  // Returns -1 if none is within reach.
   int32_t nearest(int32_t place) const {
     const vec3 &p = positions_[place];
     const Cell low = cell_of(p - most_), high = cell_of(p + most_);
@@ -86,7 +86,7 @@ private:
   std::vector<int32_t> table_;
 };
 
-// Places at the ends of open edges, and how far each may be from another that it becomes one with.
+// The places at the ends of open edges, and the distance up to which each may be merged with another.
 class Rims {
 public:
   Rims(const Triangles &triangles, const Places &places)
@@ -102,7 +102,7 @@ public:
     spare(half_edge);
   }
 
-  // Keeps its ends apart, if they are such places.
+  // Keeps the ends of this half-edge apart, if they are ends of open edges.
   void spare(int32_t half_edge) {
     const int32_t a = ids_[half_edge], b = ids_[next_corner(half_edge)];
     if (reach_[a] == none && reach_[b] == none) return;
@@ -111,7 +111,7 @@ public:
     reach_[b] = std::min(reach_[b], least);
   }
 
-  // Whether any two became one.
+  // Merges places; returns whether any were merged.
   bool join() {
     if (!(most_ > 0)) return false;
     std::ranges::sort(places_);

@@ -14,16 +14,16 @@ struct Places {
   std::vector<int32_t> of_corner; // (3 * triangle_count) the place of its vertex; empty where no two vertices share a place
 
   bool are_shared() const { return !of_corner.empty(); }
-  // The ids of corners that tell places apart.
+  // Ids per corner that tell places apart.
   const std::vector<int32_t> &ids(const Triangles &triangles) const { return are_shared() ? of_corner : triangles.corner_vertex; }
 };
 
-// Positions are one place where they are equal.
+// Places by equal positions.
 Places weld(const Triangles &triangles);
 
-// Places at the ends of open half-edges that differ by rounding alone become one: by 16 units in the last place of a float at the
-// largest coordinate among them (about the seventh digit of a decimal), and by no more than a hundredth of the shortest edge at
-// either, so that no edge shrinks to nothing. Whatever is closed stays as it is. Returns whether any became one. left_out:
+// Merges places at the ends of open half-edges that differ only by rounding: by 16 units in the last place of a float at the
+// largest coordinate among them (about the seventh decimal digit), and by at most a hundredth of the shortest edge at either
+// place, so that no edge shrinks to nothing. Whatever is closed stays as it is. Returns whether any were merged. left_out:
 // (triangle_count) 1 where a triangle takes no part.
 bool weld_rims(const Triangles &triangles, const std::vector<uint8_t> &left_out, std::span<const int32_t> open, Places &places);
 

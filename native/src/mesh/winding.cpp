@@ -1,4 +1,4 @@
-// Adds up the tetrahedra between each triangle and the middle of the mesh, part by part.
+// Sums the signed volumes of the tetrahedra between each triangle and the middle of the mesh, part by part.
 #include "mesh/winding.h"
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace paradesc {
 namespace {
 
-constexpr double no_volume = 1e-6; // of the part's box: what rounding leaves of a part that is folded flat
-constexpr size_t most_outer = 64;  // parts, the largest, that others are looked for in
+constexpr double no_volume = 1e-6; // relative to the part's box: rounding leaves about this much of a part that is folded flat
+constexpr size_t most_outer = 64;  // number of the largest parts that others are tested against
 
 // Consecutive triangles of one part.
 struct Run {

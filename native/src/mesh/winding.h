@@ -1,4 +1,4 @@
-// Half-edges → which parts are wound with their outside inside.
+// Half-edges → the number of parts that are wound inside out.
 #pragma once
 
 #include "mesh/halfedge.h"
@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-// Closed parts of negative volume, but for those within the box of a larger closed part of positive volume: its hollows.
+// Counts closed parts of negative volume, except hollows: those within the box of a larger closed part of positive volume.
 // box: bounding_box.
 int count_inward_parts(const Triangles &triangles, const HalfEdges &half_edges, const Box &box, int threads = 0);
 
