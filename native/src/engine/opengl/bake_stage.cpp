@@ -62,7 +62,7 @@ void TextureSpace::bake_layout(const Job &job, const BakeKey &baked) {
     for (int first = 0; first < count; first += drawn_at_once)
       step([&](const Gl &gl, ProgramCache &programs) {
         device_->buffer->draw_triangles(programs, first, std::min(first + drawn_at_once, count));
-        gl.Flush(); // the device draws these while the next are on their way
+        gl.Flush(); // the device draws these while the next ones are prepared
       });
     step([&](const Gl &, ProgramCache &programs) { device_->buffer->draw_borders(programs); });
     step([&](const Gl &, ProgramCache &programs) { layout.counts = device_->buffer->end_layout(programs); });
@@ -114,7 +114,7 @@ Frame TextureSpace::bake(const Job &job) {
   const Surface &surface = job.surface;
   const pdesc_options &options = job.options();
   Frame frame;
-  // Maps are applied to buffers of full precision.
+  // Surface maps are applied only to buffers of full precision.
   frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
                       surface.normals.fans_version};
@@ -139,7 +139,7 @@ Frame TextureSpace::bake(const Job &job) {
   return frame;
 }
 
-// The ellipses for radius 1, of every step-th wedge.
+// The sampling ellipses of every step-th wedge, for radius 1.
 std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space, int step) {
   const Charts &charts = job.charts();
   const std::vector<int32_t> &corners =
@@ -156,13 +156,13 @@ CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, d
 // Sets the frame's radius in texels.
 void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
   const Charts &charts = job.charts();
-  const size_t step = std::max<size_t>(1, charts.wedges.size() / 128); // the median does with some
+  const size_t step = std::max<size_t>(1, charts.wedges.size() / 128); // a sample is enough for the median
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
   frame.radius_in_texels = median_radius_in_texels(charts, center_options(job, frame, radius),
                                                    static_cast<float>(radius * frame.space.scale), sizes, step);
 }
 
-// Centers that samples march from, or that maps displace.
+// Describes centers that samples march from, or that maps displace.
 std::vector<CenterData> TextureSpace::describe(const Job &job, const Frame &frame, const Centers &centers, double radius) {
   const Surface &surface = job.surface;
   const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);

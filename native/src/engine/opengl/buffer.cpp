@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-// Shaders would read zeros beyond it, and no error would be reported.
+// Checks the size first, because beyond the limit shaders would read zeros and no error would be reported.
 static void check_storage(const Gl &gl, size_t bytes) {
   if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
     throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(bytes >> 20) +
@@ -109,7 +109,7 @@ void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size
                                                " elements); use the reference backend.");
   if (rows != rows_) texture_ = Texture(gl, LIST_ROW, static_cast<int>(rows), format);
   rows_ = rows;
-  // Whole rows, and what is left.
+  // Sends the whole rows, then the rest.
   const size_t whole = count / LIST_ROW, rest = count % LIST_ROW;
   const auto send = [&](size_t first_row, size_t width, size_t height) {
     if (width * height == 0) return;

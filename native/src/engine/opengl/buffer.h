@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// The name of one OpenGL object; Delete: the entry point that takes it back.
+// The name of one OpenGL object; Delete is the entry point that deletes it.
 template <auto Delete> class GlName {
 public:
   GlName() = default;
@@ -34,41 +34,41 @@ private:
 
 class Buffer {
 public:
-  // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) where shaders could not reach
-  // all of it.
+  // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) if shaders cannot reach all of
+  // the content.
   void upload(const Gl &gl, const void *data, size_t bytes, GLenum usage = GL_STATIC_DRAW);
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
   }
-  // Room for bytes that shaders write, which is kept while it is not far too large; throws as upload does.
+  // Makes room for bytes that shaders write. Keeps the storage unless it is far too large. Throws as upload does.
   void reserve(const Gl &gl, size_t bytes, GLenum usage = GL_STREAM_COPY);
-  // The same, with so many 32-bit words in it, all alike.
+  // Makes room for `count` 32-bit words and sets each of them to `word`.
   void repeat(const Gl &gl, uint32_t word, size_t count, GLenum usage);
-  // As upload, where it is not read as storage.
+  // Uploads content that shaders do not read as storage.
   void fill(const Gl &gl, const void *data, size_t bytes, GLenum usage);
   GLuint id() const { return name_.id(); }
 
 private:
   GlName<&Gl::DeleteBuffers> name_;
-  size_t reserved_ = 0; // bytes; 0: its content was uploaded
+  size_t reserved_ = 0; // bytes; 0: the content was uploaded
 };
 
-// A long list that shaders fetch from as a texture: software devices gather that by vectors, and loads from storage buffers one
-// by one.
+// A long list that shaders fetch from as a texture. Software devices gather such fetches with vector instructions, but load from
+// storage buffers one element at a time.
 class BufferTexture {
 public:
   // Pairs of integers (GL_RG32I).
   void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
   }
-  // texels of format GL_R32I, GL_R32F, GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same; data may be
-  // NULL, for shaders to write into buffer_id.
+  // texels have the format GL_R32I, GL_R32F, GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same one. data
+  // may be NULL: shaders then write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
-  // The same of a list of whole texels, or of their numbers.
+  // Uploads a list whose elements are whole texels, or single numbers of texels.
   template <class Element> void upload(const Gl &gl, GLenum format, const std::vector<Element> &list, GLenum usage) {
     upload(gl, format, list.data(), list.size() * sizeof(Element) / texel_bytes(format), usage);
   }
-  // Room for texels that shaders write, as Buffer::reserve.
+  // Makes room for texels that shaders write, as Buffer::reserve does.
   void reserve(const Gl &gl, GLenum format, size_t texels);
   GLuint id() const { return name_.id(); }
   GLuint buffer_id() const { return buffer_.id(); }
@@ -93,12 +93,12 @@ private:
   GlName<&Gl::DeleteTextures> name_;
 };
 
-// A long list in a 2-D texture, element i at (i % ROW, i / ROW): fetches from textures are gathered by the vector units of
-// software rasterizers, divergent loads from storage buffers are not.
+// A long list in a 2-D texture, element i at (i % ROW, i / ROW). Software rasterizers gather fetches from textures with vector
+// instructions, but not divergent loads from storage buffers.
 class ListTexture {
 public:
-  // elements: of `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I); the texture is
-  // kept while the size fits.
+  // elements: `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I) each. The texture
+  // is kept while the size fits.
   void upload(const Gl &gl, GLenum format, const void *elements, size_t count);
   GLuint id() const { return texture_.id(); }
 

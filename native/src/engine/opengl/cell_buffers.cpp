@@ -1,4 +1,4 @@
-// Cells → what was measured of them, by one invocation each; what a radius makes of these; samples → their points, likewise.
+// Cells → measurements, by one invocation per cell → the lists that a radius needs; samples → their points, in the same way.
 #include "engine/opengl/cell_buffers.h"
 
 #include <algorithm>
@@ -59,7 +59,7 @@ void CellBuffers::measure(const Gl &gl, ProgramCache &programs, const GeometryBu
   list_link_points(gl, programs, buffer);
 }
 
-// The points of texels, as entries of UNIT_SAMPLES name them, in the geometry buffer as it is now.
+// Lists the points of texels, which are given as entries of UNIT_SAMPLES, from the current geometry buffer.
 static void list_surface_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BufferTexture &texels,
                                 int count, BufferTexture &points) {
   points.reserve(gl, GL_RGBA32F, 2 * static_cast<size_t>(count));
@@ -87,7 +87,7 @@ void CellBuffers::set_params(const Gl &gl) {
   params_buffer_.fill(gl, &params_, sizeof params_, GL_STREAM_DRAW);
 }
 
-// Level by level: each looks at the one below.
+// Joins nodes level by level: each level reads the one below.
 void CellBuffers::join_nodes(const Gl &gl, ProgramCache &programs) {
   gl.UseProgram(programs.get(gl, "tree", {{GL_COMPUTE_SHADER, "opengl/cells/tree.comp.glsl"}}));
   for (int level = 1; level <= params_.top_level; ++level) {
@@ -182,7 +182,7 @@ bool CellBuffers::make_room(const SearchCounts &counts, bool anew, int list_texe
   make(room_.samples, counts.samples);
   make(room_.cells, counts.cells);
   make(room_.neighbors, counts.neighbors);
-  const int32_t longest = (counts.longest + 31) / 32 * 32; // a bit each, in words
+  const int32_t longest = (counts.longest + 31) / 32 * 32; // one bit each, rounded up to whole words
   if (longest > room_.longest || (anew && longest <= room_.longest / 2)) room_.longest = longest;
   room_.fine = std::max(room_.fine, counts.fine);
   return room_ == before;

@@ -1,4 +1,4 @@
-// Cells and their samples on the device: where they are measured and listed, and the points that centers fetch.
+// Cells and their samples on the device: measurements, lists, and the points that centers fetch.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace paradesc {
 
-// The largest number of samples whose points are listed beside the buffers: 128 MiB.
+// The largest number of samples whose points are listed separately: 128 MiB.
 inline constexpr int max_listed_points = 1 << 22;
 
 // How finely cells are sampled.
@@ -23,38 +23,38 @@ struct CellSampling {
   bool operator==(const CellSampling &) const = default;
 };
 
-// How long lists are, or may be, the device alone knows while a frame goes on: they have as much room as they took before and
-// some more. What they took is read with the results; where it was more, make_room() comes and all of it is done again.
+// List lengths are known only on the device while a frame is computed. Buffers get the previous lengths plus some slack. The new
+// lengths are read with the results; if a list overflowed, make_room() grows it and the frame is computed again.
 class CellBuffers {
 public:
   CellBuffers(const Gl &gl, const Cells &cells, int buffer_size);
-  // Measures the cells in the geometry buffer as it is now, and lists the points of the links.
+  // Measures the cells in the current geometry buffer, and lists the points of the links.
   void measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
-  // Lists the samples of cells that were measured.
+  // Lists the samples of the measured cells.
   void list_samples(const Gl &gl, ProgramCache &programs, const CellSampling &sampling, const TexellessSamples &texelless);
-  // Lists the points of the samples in the geometry buffer as it is now, for centers to fetch instead of its texels. Returns
-  // false if that would take too much memory. points: where they go.
+  // Lists the points of the samples in the current geometry buffer, so that centers fetch these instead of texels. Returns false
+  // if that would take too much memory. points: receives them.
   bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const;
 
-  // What is counted of near cells from here on is of another search.
+  // Resets the counts of near cells for a new search.
   void begin_lists(const Gl &gl);
   const SearchCounts &room() const { return room_; }
   SearchCounts read_counts(const Gl &gl) const;
   GLuint counts() const { return counts_.id(); } // SearchCounts
-  // Whether lists as long as that had room; makes it otherwise. anew: for another radius, after which far too much room is as
-  // bad as too little. list_texels: that a buffer texture may have.
+  // Returns whether lists of these lengths had room; if not, makes room. anew: the radius has changed, so far too much room
+  // counts as wrong, too. list_texels: the limit of a buffer texture.
   bool make_room(const SearchCounts &counts, bool anew, int list_texels);
 
   void bind(const Gl &gl) const;
-  // Binds what neighborhoods are found in: cells as they were measured, links, and where samples are listed.
+  // Binds the inputs of a search: measured cells, links, and where the samples are listed.
   void bind_to_search(const Gl &gl) const;
-  // Binds what lists of near cells are made from and with.
+  // Binds the inputs and outputs of the programs that list near cells.
   void bind_to_lists(const Gl &gl) const;
   GLuint measured() const { return measured_.buffer_id(); } // (cells) CellData
   int cell_count() const { return cell_count_; }
   int node_count() const { return node_count_; } // of the tree of cells
   bool has_texelless() const { return has_texelless_; }
-  int64_t bytes_of_lists() const; // of cells and samples
+  int64_t bytes_of_lists() const; // lists of cells and samples
 
 private:
   void list_link_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);

@@ -1,4 +1,4 @@
-// Rows of the registry → the files of shaders/kernel that they need, and calls of what those define.
+// Rows of the registry → the files of shaders/kernel that they need, and calls of the functions that these define.
 #include "engine/opengl/compose.h"
 
 #include <cctype>

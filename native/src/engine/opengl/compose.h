@@ -6,10 +6,10 @@
 
 namespace paradesc {
 
-// terms.glsl: what is added up for these descriptors, each of it once. integral: for the curvatures as well.
+// terms.glsl: the sums that these descriptors need, each of them once. integral: includes those of the curvatures.
 std::string compose_terms(std::span<const int> descriptors, bool integral);
 
-// descriptors.glsl: how they finish. STORE_DESCRIPTORS is for main(): the results buffer is declared after this text.
+// descriptors.glsl: how descriptors follow from sums. STORE_DESCRIPTORS is for main(): the results buffer is declared later.
 std::string compose_descriptors(std::span<const int> descriptors);
 
 } // namespace paradesc

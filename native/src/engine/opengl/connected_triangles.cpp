@@ -1,4 +1,4 @@
-// Lists of the mesh in buffer textures; one storage buffer for what floods keep.
+// The mesh's lists are in buffer textures; one storage buffer has the state of floods.
 #include "engine/opengl/connected_triangles.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace paradesc {
 
 static_assert(Patches::max_triangles == PATCH_TRIANGLES);
 
-// The last one is room for some 10,000 triangles: what exceeds it is left as its samples found it.
+// The last number is room for some 10,000 triangles. Centers with larger floods keep the results that their samples gave.
 static constexpr int rooms[] = {20, 32, 128, 512};
 static_assert(rooms[1] <= MOST_FEW_PATCHES && rooms[2] > MOST_FEW_PATCHES);
 static constexpr int64_t most_bytes = int64_t{1} << 26;
@@ -27,7 +27,7 @@ static int room_for(int patches) {
 }
 
 int expected_patches(double triangles) {
-  // A disk of patches that are nearly full, with half a patch more around it, and some balls hold more than others.
+  // A disk of patches that are nearly full, with half a patch more around it; the factor allows for balls that hold more.
   constexpr double of_patch = 25.0, spread = 1.5;
   const double across = std::sqrt(std::min(triangles, 1e6)) + 2.0 * std::sqrt(of_patch);
   return static_cast<int>(spread * across * across / of_patch);
@@ -35,7 +35,7 @@ int expected_patches(double triangles) {
 
 static int table_of(int room) { return static_cast<int>(std::bit_ceil(2 * static_cast<uint32_t>(room))); }
 
-// Integers for each of the centers that are computed again side by side.
+// Integers per center, for the centers that are computed again side by side.
 static size_t size_of_slot(int room) { return static_cast<size_t>(2 * table_of(room) + 1); }
 
 int64_t bytes_of_floods(int64_t centers, int patches) {
@@ -48,7 +48,7 @@ void ConnectedTriangles::expect(int patches) { room_ = room_for(patches); }
 
 bool ConnectedTriangles::make_room(int patches) {
   const int before = room_;
-  room_ = std::max(room_for(patches), std::min(room_, room_for(patches + patches / 8))); // smaller ones are faster
+  room_ = std::max(room_for(patches), std::min(room_, room_for(patches + patches / 8))); // a smaller room is faster
   return room_ <= before;
 }
 
@@ -103,7 +103,7 @@ void ConnectedTriangles::begin(const Gl &gl, int centers, int most_centers) {
   const size_t bytes = (CONNECTED_HEADER + static_cast<size_t>(centers) + slots * one) * sizeof(int32_t);
   slots_ = static_cast<int>(slots);
   list_.reserve(gl, bytes);
-  constexpr int32_t nothing[CONNECTED_AGAIN_GROUPS] = {}; // ambiguous, or come to
+  constexpr int32_t nothing[CONNECTED_AGAIN_GROUPS] = {}; // the number of ambiguous centers; the largest number of patches
   gl.NamedBufferSubData(list_.id(), 0, sizeof nothing, nothing);
 }
 

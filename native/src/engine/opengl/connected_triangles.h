@@ -1,8 +1,8 @@
-// Ambiguous centers, whose samples do not look like one sheet of surface → those that have to be computed again, on exactly the
-// triangles that are connected to them within the ball: found on the device, by floods over patches (mesh/patches.h).
+// Ambiguous centers, whose samples do not look like one sheet of surface → those that must be computed again, on exactly the
+// triangles that are connected to them within the ball. Floods over patches on the device find them (mesh/patches.h).
 //
-// Cells resolve what is connected only to the size of a cell. Where a neighborhood is no disk, a neighboring finger may have come
-// in with a cell that holds both. Where its area is that of the connected triangles, none did.
+// Cells resolve connectivity only to the size of a cell. If a neighborhood is not a disk, samples of a neighboring finger may
+// have come in with a cell that holds both. If its area equals that of the connected triangles, none did.
 #pragma once
 
 #include <span>
@@ -15,38 +15,38 @@
 
 namespace paradesc {
 
-// How many patches a flood may come to if balls hold about so many triangles.
+// The number of patches that a flood may need if balls hold about this many triangles.
 int expected_patches(double triangles);
-// Bytes that are kept of so many centers.
+// Bytes of the floods of so many centers.
 int64_t bytes_of_floods(int64_t centers, int patches);
 
-// How many patches floods may have room for: each number is a program.
+// The capacities, in patches, that floods may have: each capacity is a program of its own.
 std::span<const int> flood_rooms();
 GLuint flood_program(const Gl &gl, ProgramCache &programs, int patches);
 
 class ConnectedTriangles {
 public:
-  // Uploads what depends on how the mesh hangs together.
+  // Uploads everything that depends on connectivity alone.
   void set_mesh(const Gl &gl, const Triangles &triangles, const HalfEdges &half_edges, const Patches &patches);
-  // Measures the patches where the surface lies now.
+  // Measures the patches of the current surface.
   void measure(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface);
-  // codes: of a triangle that each center lies on.
+  // codes: the code of one triangle per center, on which the center lies.
   void set_starts(const Gl &gl, std::span<const int32_t> codes);
-  // Floods have room for so many patches, until they ask for more or less.
+  // Gives floods room for so many patches, until make_room() changes it.
   void expect(int patches);
-  // From here on no center is ambiguous. most_centers: centers that are computed again side by side.
+  // Resets the list of ambiguous centers. most_centers: how many centers can be computed again side by side.
   void begin(const Gl &gl, int centers, int most_centers);
-  // Whether floods that came to so many patches had room; makes as much of it as they need from here on.
+  // Returns whether floods that needed so many patches had room; later floods get as much room as these needed.
   bool make_room(int patches);
 
   int slots() const { return slots_; } // for centers that are computed again side by side
   int room() const { return room_; }   // in patches
-  int flood_table() const;             // as EvaluateParams has it
+  int flood_table() const;             // as in EvaluateParams
   GLuint list() const { return list_.id(); }
-  // Binds what programs read that compute centers again.
+  // Binds the inputs of programs that compute centers again.
   void bind(const Gl &gl) const;
-  // Looks at so many ambiguous centers, slots() at most, whose parameters, centers and results are bound. Those to be computed
-  // again are the next ones.
+  // Checks up to `count` ambiguous centers, at most slots() of them, whose parameters, centers and results are bound. Those that
+  // fail the check are the next ones to be computed again.
   void flood(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface, int count) const;
 
 private:

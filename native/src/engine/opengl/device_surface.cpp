@@ -1,4 +1,4 @@
-// Arrays as the mesh has them, in buffer textures; one dispatch for faces, one for fans, one for places.
+// Arrays in the order of the mesh, in buffer textures; one dispatch each for faces, fans and places.
 #include "engine/opengl/device_surface.h"
 
 #include "engine/opengl/dispatch.h"
@@ -78,7 +78,7 @@ void DeviceSurface::begin_normals(const Gl &gl, const NormalRings &rings, uint64
   check_gl(gl, "upload of rings");
 }
 
-// Two programs, no uniform: zink of Mesa 25 puts uniforms into programs, and kept an earlier one.
+// Two programs instead of a uniform: zink of Mesa 25 compiles uniforms into programs, and kept an outdated value.
 static GLuint normals_program(const Gl &gl, ProgramCache &programs, bool fitted) {
   return programs.get(gl, fitted ? "fitted normals" : "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}},
                       {{"variant.glsl", define("FITTED", fitted)}});

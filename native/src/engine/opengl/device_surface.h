@@ -1,4 +1,4 @@
-// The mesh as it lies now → on the device: normals of faces and fans, and the places that a frame is made of.
+// The current mesh → on the device: normals of faces and fans, and the places that a frame is made of.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace paradesc {
 
-// What lies at a vertex and has a normal there; kept for a layout.
+// A list of places, each at a vertex and with a normal; kept for a layout.
 class Places {
 public:
-  // sources: vertex, normal.
+  // sources: (places) vertex, normal.
   Places(const Gl &gl, const std::vector<ivec2> &sources);
   int count() const { return count_; }
   GLuint sources() const { return sources_.id(); }
@@ -28,24 +28,24 @@ private:
 
 class DeviceSurface {
 public:
-  // version: of the positions. Does nothing if they are there already.
+  // version: of the positions. Does nothing if the device has this version already.
   void set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version);
-  // Where maps displace the same vertices, or null.
+  // displaced: the same vertices where maps displace them, or null.
   void set_displaced(const Gl &gl, const Triangles *displaced);
-  // Normals as the processor has them: of groups, then of points.
+  // Takes normals from the processor: those of groups, then those of points.
   void set_normals(const Gl &gl, const Normals &normals);
-  // Fit normals, or take Max's, in steps between which a run may be cancelled: uploads, some fans at a time. rings_version: they
-  // are uploaded where it has changed.
+  // Compute fitted or Max's normals in steps, between which a run may be cancelled: uploads, then some fans at a time. Rings are
+  // uploaded if rings_version has changed.
   void begin_normals(const Gl &gl, const NormalRings &rings, uint64_t rings_version);
   int fan_count() const { return fan_count_; }
   void fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last);
-  // Writes positions and normals in buffer units: three floats each, the normal's four after the position's, stride floats from
-  // place to place.
+  // Writes positions and normals in buffer units: three floats each, the normal four floats after the position, with `stride`
+  // floats from place to place.
   void place(const Gl &gl, ProgramCache &programs, const Places &places, GLuint buffer, int stride) const;
-  // Unit normals of all triangles, as UNIT_FACES says; measured unless they are there.
+  // Unit normals of all triangles, laid out as UNIT_FACES says; measured on first use.
   GLuint faces(const Gl &gl, ProgramCache &programs);
 
-  // Binds positions of vertices on the surface that is measured, displaced if maps displace it, and what brings them to the
+  // Binds the positions of vertices on the surface that is measured, displaced if maps displace it, and the transform to the
   // buffers' units.
   void bind_measured(const Gl &gl) const;
 
@@ -56,7 +56,7 @@ private:
   BufferTexture triangles_, positions_, displaced_, faces_, normals_, rings_, fan_vertices_, ring_vertices_, ring_faces_;
   Buffer space_;
   int triangle_count_ = 0, fan_count_ = 0;
-  uint64_t positions_version_ = ~uint64_t{0}, rings_version_ = 0; // of what is there
+  uint64_t positions_version_ = ~uint64_t{0}, rings_version_ = 0; // of what is on the device
   bool has_faces_ = false, is_displaced_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Tiles follow from how long the last one took.
+// The size of a tile follows from the time that the last tile took.
 #include "engine/opengl/dispatch.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ int next_tile(int tile, double seconds, int smallest, int group) {
   return std::max(smallest, static_cast<int>(std::min(tile * scale, 1e9)) / group * group);
 }
 
-// Does not wait for the last one.
+// Returns without waiting for the last tile.
 static void dispatch_in_tiles(const Gl &gl, int count, const TileSizes &sizes, const auto &start) {
   in_tiles(
       0, count, sizes,

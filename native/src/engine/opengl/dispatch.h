@@ -1,4 +1,4 @@
-// Work over many invocations → dispatches that each take a device a fraction of a second, however fast it is.
+// Work over many invocations → dispatches that each take a device a fraction of a second, on fast and slow devices alike.
 #pragma once
 
 #include <algorithm>
@@ -10,21 +10,21 @@
 
 namespace paradesc {
 
-// How many invocations the next dispatch may have, if the last had `tile` and took so long: some 30 ms of them. A desktop's
-// driver starts a device again that is busy for two seconds, and computations are cancelled between dispatches. At least
+// The number of invocations for the next dispatch, if `tile` of them took `seconds`: it aims at some 30 ms. A desktop's driver
+// resets a device that is busy for two seconds, and computations are cancelled between dispatches. The result is at least
 // `smallest`, in whole groups.
 int next_tile(int tile, double seconds, int smallest, int group);
 
-// Of a computation's tiles: the first one, before it is known how long it takes; what all of them lie between; and what they are
+// Sizes of a computation's tiles: the first one, before any time is known; the limits of all; and the number that they are
 // multiples of.
 struct TileSizes {
   int first, smallest, largest, group;
-  std::optional<double> seconds = {}; // that each takes, as tests say; else they are measured
+  std::optional<double> seconds = {}; // the time of each tile if tests set it; otherwise it is measured
 };
 
-// Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after the other, and
-// then(end of the tile), whose time does not count. Returns what the first tile may be when the same is computed again: what is
-// left for the last one may be so little that its time tells nothing but that it is not too much.
+// Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after another. After each
+// it calls then(end of the tile), whose time does not count. Returns the first tile's size for when the same is computed again:
+// the last tile may be so short that its time only shows that the size was not too large.
 template <class Compute, class Then>
 int in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
   int tile = std::min(sizes.first, sizes.largest);
@@ -40,15 +40,15 @@ int in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute,
   return tile;
 }
 
-// Runs the program in use over invocations [first, last) in one dispatch, which knows them by LOCATION_FIRST and LOCATION_LAST.
+// Runs the program in use over invocations [first, last) in one dispatch, passing the two as LOCATION_FIRST and LOCATION_LAST.
 void dispatch_once(const Gl &gl, int first, int last);
 
-// The same over `count` invocations, in as many dispatches as it takes; first_tile: of the first one, before it is known how long
-// they take.
+// Runs the program over `count` invocations, in as many dispatches as needed; first_tile: the size of the first one, before any
+// time is known.
 void dispatch_invocations(const Gl &gl, int count, int64_t first_tile);
 
-// The same over the texels of a square buffer, some rows of groups of 8 x 8 a dispatch: LOCATION_FIRST is the row that it begins
-// with.
+// Runs the program over the texels of a square buffer, some rows of 8 x 8 groups per dispatch. LOCATION_FIRST is the first row of
+// a dispatch.
 void dispatch_texels(const Gl &gl, int size);
 
 } // namespace paradesc

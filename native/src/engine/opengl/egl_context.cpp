@@ -40,7 +40,7 @@ struct SystemContext::System {
   EGLContext context = EGL_NO_CONTEXT;
   DriverSubstitute substitute;
 
-  // The driver's function of that name, or the one that a test substitutes.
+  // The driver's function of that name, or a test's substitute for it.
   void *chosen(const char *name, void *found) const { return substitute ? substitute(name, found) : found; }
   template <class Function> bool load(const char *name, Function &function) const {
     void *found =
@@ -50,7 +50,7 @@ struct SystemContext::System {
   }
 };
 
-// The entry points are looked up by name, so that nothing links libEGL and the library loads where there is none.
+// Looks up entry points by name, so that nothing links libEGL and the library also loads on systems without it.
 static void open_library(auto &egl) {
   egl.library = egl.chosen("libEGL.so.1", dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL));
   if (!egl.library)
@@ -88,7 +88,7 @@ SystemContext::~SystemContext() {
   system_->release_thread();
 }
 
-// Mesa's surfaceless platform, which may be of either kind, comes last.
+// Lists Mesa's surfaceless platform last, because it may be of either kind.
 int SystemContext::list_devices(bool software) {
   System &egl = *system_;
   egl.candidates.clear();
@@ -107,7 +107,7 @@ int SystemContext::list_devices(bool software) {
   return static_cast<int>(egl.candidates.size());
 }
 
-// eglTerminate is never called: displays belong to the whole process, and the host's may be the same one.
+// Never calls eglTerminate: displays belong to the whole process, and the host may use the same one.
 bool SystemContext::make_current(int device) {
   System &egl = *system_;
   const Candidate &candidate = egl.candidates[static_cast<size_t>(device)];
@@ -125,7 +125,7 @@ bool SystemContext::make_current(int device) {
   robust.insert(robust.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET,
                                EGL_CONTEXT_OPENGL_ROBUST_ACCESS, EGL_TRUE, EGL_NONE});
   if (10 * major + minor < 15) robust = version;
-  // The last is for the sentence that says what an older device offers.
+  // The last attempt is for an error sentence that says what an older device offers.
   for (const std::vector<EGLint> &attributes : {robust, version, std::vector<EGLint>{EGL_NONE}})
     if (egl.context == EGL_NO_CONTEXT) egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, attributes.data());
   if (egl.context == EGL_NO_CONTEXT) return false;

@@ -9,11 +9,11 @@
 
 namespace paradesc {
 
-// Samples that march in one dispatch. llvmpipe ends the loops of an invocation after 65535 iterations (shared.h), and the eight
-// invocations of its vector count together.
+// The number of samples that march in one dispatch. llvmpipe ends an invocation's loops after 65535 iterations (shared.h),
+// counted over the eight invocations of one vector together.
 static int samples_at_once(bool software, const pdesc_options &options) {
   if (!software) return options.samples;
-  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
+  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each marches up to MAX_VISITS steps
   return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
 }
 
@@ -46,7 +46,7 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
   return settings;
 }
 
-// The map goes where samples find it: texels, centers, and triangles without texels.
+// Bakes the map for every place that samples read: texels, centers, and triangles without texels.
 void TextureSpace::bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values) {
   const HalfEdges &half_edges = job.surface.half_edges;
   std::vector<vec4> at_centers, at_texelless;
@@ -65,8 +65,8 @@ void TextureSpace::bake_map(const Job &job, const Centers &centers, const Texell
   });
 }
 
-// A computation is cancelled between tiles. The smallest of them are enough for every core of a software device; a frame begins
-// with tiles as large as the one before found right, since a card does little with small ones.
+// Evaluates all centers in tiles, between which a computation can be cancelled. The smallest tiles still occupy every core of a
+// software device. A frame starts with the tile size that the previous frame ended with, since cards are slow on small tiles.
 void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress,
                                   double from, double to) {
   const int smallest = job.resources.smallest_tile;
@@ -83,11 +83,11 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   if (job.connected()) cells().tile = next;
 }
 
-// Ambiguous centers that are checked before it is known how long that takes, and how many there are.
+// The number of ambiguous centers that are checked before the time of a check and their total number are known.
 static constexpr int first_round = 4096;
 
-// Checks the ambiguous centers [first, end), in rounds that take as long as tiles. Beyond the last one, rounds take next to no
-// time, and more and more go together.
+// Checks the ambiguous centers [first, end) in rounds that take as long as tiles. Rounds past the last ambiguous center take next
+// to no time, so they grow quickly.
 void TextureSpace::check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from,
                                    double to) {
   const int smallest = gl_->group_size() * 16;
@@ -101,9 +101,9 @@ void TextureSpace::check_connected(const EvaluateSettings &settings, int first, 
       [&](int last) { check_cancel(progress, "evaluate", from + (to - from) * last / device_->evaluator.center_count()); });
 }
 
-// Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: finds their neighborhoods
-// once more, as it did before, where a list of the search was longer than its room. Returns rows of results as the device has
-// them, until the next ones.
+// Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: repeats the search for
+// neighborhoods after a list of the search was too short. Returns the rows of results as the device has them, valid until the
+// next call.
 const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                                                  const std::function<void()> &search, const Progress &progress, double from,
                                                  double to) {
@@ -116,7 +116,7 @@ const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateS
       if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
     });
     evaluate_tiles(job, settings, count, progress, from, checked_from);
-    int checked = 0, ambiguous = job.connected() ? cells().ambiguous : 0; // how many there are, the device alone knows
+    int checked = 0, ambiguous = job.connected() ? cells().ambiguous : 0; // only the device knows how many there are
     do {
       if (job.connected()) {
         const int end = std::min(count, std::max(ambiguous, checked + first_round));
@@ -168,7 +168,7 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
   return results;
 }
 
-// Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
+// Results are in the order in which the centers were listed: passes are read together, and each may have its own order.
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                                              const Centers &centers, const std::function<void()> &search,
                                              const Progress &progress) {

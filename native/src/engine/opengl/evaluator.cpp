@@ -55,16 +55,16 @@ void Evaluator::use_centers(GLuint centers, int count) {
   count_ = count;
 }
 
-// Numbers behind the results: SearchCounts, then what ConnectedTriangles counts.
+// Numbers that follow the results: SearchCounts, then the counts of ConnectedTriangles.
 static constexpr size_t counts_read = sizeof(SearchCounts) / sizeof(float) + 2;
 static_assert(CONNECTED_PATCHES == CONNECTED_AMBIGUOUS + 1);
 
-// Numbers of the results themselves.
+// The length of the results proper.
 static size_t result_values(const EvaluateSettings &settings, int count) {
   return (ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count);
 }
 
-// Of whole groups, at most.
+// The largest number of centers in one dispatch, in whole groups.
 size_t Evaluator::centers_side_by_side(const Gl &gl, const EvaluateSettings &settings) const {
   return std::min(in_whole_groups(gl, static_cast<size_t>(count_)), static_cast<size_t>(settings.most_centers()));
 }
@@ -75,14 +75,14 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   const bool paper = settings.relocation == PDESC_RELOCATION_PAPER, directional = settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL;
   visits_.reserve(gl, paper ? centers_side_by_side(gl, settings) * MAX_VISITS * sizeof(VisitData) : 0);
   stretches_.reserve(gl, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0);
-  // NaN everywhere first: a center that a driver forgets must not look like a result.
+  // Starts with NaN everywhere: a center that a driver skips must not look like a result.
   results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
                   result_values(settings, count_) + counts_read, GL_STREAM_READ);
   if (settings.connected) settings.connected->begin(gl, count_, settings.most_centers());
   check_gl(gl, "room for results");
 }
 
-// These choices are made while compiling: one that is not taken costs nothing.
+// These choices are made at compile time, so that untaken branches cost nothing.
 static std::string variant_of(const EvaluateSettings &settings, const char *buffer_variant, bool texelless) {
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -99,7 +99,7 @@ GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSett
   const std::string variant = variant_of(settings, buffer_variant, texelless);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  if (const GLuint kept = programs.find(name)) return kept; // its texts are long
+  if (const GLuint kept = programs.find(name)) return kept; // skips composing the program's long text
   const bool integral = settings.estimator == PDESC_ESTIMATOR_INTEGRAL;
   return programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
                       {{"variant.glsl", variant},
@@ -107,7 +107,7 @@ GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSett
                        {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
 }
 
-// Binds what samples read that march.
+// Binds the inputs of samples that march.
 void Evaluator::bind_march(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
@@ -133,11 +133,11 @@ void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const Geome
   check_gl(gl, "stretches");
 }
 
-// Samples that march take their turns in several dispatches, and leave their sums to the next: software devices limit the
-// iterations of one.
+// Samples that march are spread over several dispatches, each of which passes its sums on to the next: software devices limit
+// the iterations of one dispatch.
 void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params) {
   const GLuint block = gl.GetProgramResourceIndex(program, GL_SHADER_STORAGE_BLOCK, "Progresses");
-  const GLenum property = GL_BUFFER_DATA_SIZE; // with one element
+  const GLenum property = GL_BUFFER_DATA_SIZE; // for one element
   GLint stride = 0;
   gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
   const GLuint groups = group_count(gl, params.last - params.first);
@@ -159,7 +159,7 @@ void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSet
   }
 }
 
-// In squares of the radius: samples of a folded surface miss some per cent of a disk's area, and few samples miss more.
+// The tolerance of areas, in squared radii: samples of a folded surface miss some per cent of a disk, and few samples miss more.
 static float area_tolerance(int samples) {
   const double within = samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement);
   return static_cast<float>(pi * std::max(0.06, 1.1 * std::pow(within, -0.75)));
@@ -188,7 +188,7 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
           .unused_1 = 0};
 }
 
-// Binds what one program reads beside the geometry buffer.
+// Binds the inputs of one program other than the geometry buffer.
 void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, used_centers_);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
@@ -266,7 +266,7 @@ void Evaluator::check(const Gl &gl, ProgramCache &programs, const GeometryBuffer
   check_gl(gl, "connected triangles");
 }
 
-// Together: a device is waited for once.
+// Reads everything at once, so that the device is waited for only once.
 void Evaluator::read(const Gl &gl, const EvaluateSettings &settings, Evaluated &read) const {
   const size_t values = result_values(settings, count_);
   read.rows.resize(values + counts_read);

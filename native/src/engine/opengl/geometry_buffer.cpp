@@ -62,7 +62,7 @@ static std::vector<EdgeData> edge_data(const Charts &charts) {
 
 void GeometryBuffer::begin_layout(const Triangles &triangles, const Charts &charts, const BakeVertices &vertices) {
   const auto count = charts.triangle_chart.size();
-  std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
+  std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // all zero for triangles on no chart: one point, which draws nothing
   std::vector<ivec4> corners(count, ivec4(0));
   area_in_map_ = 0.0;
   for (size_t t = 0; t < count; ++t) {
@@ -104,7 +104,7 @@ void GeometryBuffer::begin_drawing(GLenum depth_function) const {
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(depth_function);
   gl_.Disable(GL_BLEND);
-  gl_.BindVertexArray(no_attributes_.id()); // without one there is no drawing at all
+  gl_.BindVertexArray(no_attributes_.id()); // drawing requires a vertex array
 }
 
 void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last) {
@@ -169,8 +169,8 @@ void GeometryBuffer::place_vertices(ProgramCache &programs, const BakeInput &inp
   set_area_unit(input);
 }
 
-// About the mean of the area element over the UV map: what exceeds 65504 times the mean has less than a 65504th of the map. A
-// power of two, so that nothing is rounded.
+// Roughly the mean area element over the UV map: values above 65504 times the mean cover less than a 65504th of the map. The unit
+// is a power of two, so that nothing is rounded.
 void GeometryBuffer::set_area_unit(const BakeInput &input) {
   if (!half_) return;
   double space = 0.0;
@@ -184,7 +184,7 @@ void GeometryBuffer::set_area_unit(const BakeInput &input) {
   area_unit_ = static_cast<float>(std::exp2(std::clamp(std::round(std::log2(mean)), -100.0, 100.0)));
 }
 
-// A fragment for every texel of these rows.
+// Draws one fragment for every texel of these rows.
 void GeometryBuffer::draw_screen(GLuint framebuffer, int first_row, int last_row) const {
   bind_owners();
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -220,7 +220,7 @@ void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &v
   check_gl(gl_, "map");
 }
 
-// ---- What is read
+// ---- Reading
 
 void GeometryBuffer::bind() const {
   gl_.BindTextureUnit(UNIT_POSITION, position_.id());

@@ -23,8 +23,8 @@ struct BakeInput {
   const BakeSpace &bake_space;
 };
 
-// A layout draws the triangles once, to find the owner of each texel and where in its owner it lies. A frame then reads the
-// owner's three corners at each texel, however many triangles there are.
+// A layout draws the triangles once, to find the owner of each texel and the texel's place in the owner. A frame then reads the
+// owner's three corners at each texel, so its cost does not depend on the number of triangles.
 class GeometryBuffer {
 public:
   // half: positions and normals in 16-bit floats.
@@ -39,13 +39,13 @@ public:
   void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);
   TexelCounts end_layout(ProgramCache &programs);
-  // Draw a frame, in steps: bake vertices, some rows at a time. surface: has the input's positions, and normals.
+  // Draw a frame, in steps: bake vertices, some rows at a time. surface: has the input's positions and normals.
   void place_vertices(ProgramCache &programs, const BakeInput &input, const DeviceSurface &surface);
   void draw_surface(ProgramCache &programs, int first_row, int last_row);
-  // Draws values at bake vertices to texels, by the same owners.
+  // Draws values at bake vertices to texels, using the same owners.
   void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
 
-  // Binds what samples read.
+  // Binds the textures that samples read.
   void bind() const;
   // Binds the layout and the frame's bake vertices, for owner.glsl and metric.glsl.
   void bind_owners() const;
@@ -58,14 +58,14 @@ public:
   std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
   int size() const { return size_; }
   bool half() const { return half_; }
-  // Shaders that read its texels are compiled with this.
+  // The define that shaders which read the buffer's texels are compiled with.
   const char *variant() const { return half_ ? "#define HALF_FLOATS\n" : ""; }
   double megabytes() const; // 10^6 bytes, of all buffers
-  // The area element that one stored unit stands for: 16-bit floats end at 65504.
+  // The area element of one stored unit: 16-bit floats end at 65504.
   float area_unit() const { return area_unit_; }
 
 private:
-  // Exists only while a layout is drawn.
+  // State that exists only while a layout is drawn.
   struct Drawing {
     Texture depth;
     BufferTexture edges;

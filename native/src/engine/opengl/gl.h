@@ -72,20 +72,20 @@
 
 namespace paradesc {
 
-// What the device says it can take; never less than OpenGL 4.5 promises, see GlContext.
+// The limits that the device reports; never less than OpenGL 4.5 promises, see GlContext.
 struct GlLimits {
   GLint texture_size = 16384;
   GLint list_texels = 65536;       // of a buffer texture
   GLint work_groups = 65535;       // along x
   GLint64 storage_bytes = 1 << 27; // of one storage buffer
-  // Invocations of a work group. Cards run 32 or 64 side by side, and idle where a group has fewer; software devices give each
-  // core a row of groups, which small ones make even.
+  // Invocations of a work group. Cards run 32 or 64 side by side and idle if a group has fewer. Software devices give each core a
+  // row of groups; small groups balance these rows.
   int group_size = 64;
-  int ranges = 65536; // of lists of samples, that the centers of one dispatch have side by side
+  int ranges = 65536; // of lists of samples that the centers of one dispatch have side by side
 };
 
-// Where balls hold many cells, a dispatch has room for some 20,000 centers: many for the cores of a software device, and too few
-// for a card, which runs more than that at once.
+// If balls hold many cells, a dispatch has room for some 20,000 centers: enough for the cores of a software device, but too few
+// for a card, which runs more at once.
 constexpr int most_ranges(bool software) { return 1 << (software ? 23 : 25); }
 constexpr int64_t bytes_of_range = 8;
 
@@ -96,19 +96,19 @@ struct Gl {
   GlLimits limits;
 };
 
-// The number of work groups for as many invocations.
+// The number of work groups for so many invocations.
 inline GLuint group_count(const Gl &gl, int invocations) {
   return static_cast<GLuint>((invocations + gl.limits.group_size - 1) / gl.limits.group_size);
 }
 
-// The least number of invocations from this one on that fills whole work groups.
+// The number of invocations rounded up to whole work groups.
 inline size_t in_whole_groups(const Gl &gl, size_t invocations) {
   const auto group = static_cast<size_t>(gl.limits.group_size);
   return (invocations + group - 1) / group * group;
 }
 
-// Throws Error with the stage's name where OpenGL has recorded an error: DEVICE_LOST, OUT_OF_MEMORY, else UNKNOWN. None is left
-// for the next call.
+// Throws Error with the stage's name if OpenGL has recorded an error: DEVICE_LOST, OUT_OF_MEMORY, else UNKNOWN. Clears all
+// recorded errors.
 void check_gl(const Gl &gl, const char *stage);
 
 } // namespace paradesc

@@ -1,5 +1,5 @@
-// A system's context → OpenGL's functions, and whether they and the device's limits are those of OpenGL 4.5; what is wrong in one
-// sentence.
+// A system's context → OpenGL's functions, and a check that they and the device's limits are those of OpenGL 4.5. The first flaw
+// is reported in one sentence.
 #include "engine/opengl/gl_context.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ static bool is_software_renderer(const std::string &name) {
   return false;
 }
 
-// Drivers that say less than OpenGL 4.5 promises are not believed to be one; what they say beyond is believed until it fails.
+// A driver that reports less than OpenGL 4.5 promises is refused; larger reported limits are trusted until they fail.
 static std::string read_limits(Gl &gl) {
   struct Promise {
     const char *name;
@@ -71,14 +71,14 @@ std::string GlContext::look_at_context(bool software) {
   if (!missing.empty()) return "its driver has no " + missing;
   const std::string flaw = read_limits(gl_);
   gl_.limits.group_size = software ? 16 : 64;
-  // llvmpipe says 2^27 bytes and takes more; a test has it reach the end of a longer one.
+  // llvmpipe reports 2^27 bytes and accepts more; a test reads the end of a longer buffer.
   if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
   const GLint64 of_buffer = std::min<GLint64>(gl_.limits.list_texels, gl_.limits.storage_bytes / bytes_of_range);
   gl_.limits.ranges = static_cast<int>(std::min<GLint64>(most_ranges(software), of_buffer));
   return flaw;
 }
 
-// Throws where there is no device of that index.
+// Throws if there is no device of that index.
 static void check_index(int device_index, int count) {
   if (device_index < count) return;
   throw Error(PDESC_ERROR_UNSUPPORTED, "Device " + std::to_string(device_index) + " was asked for, but there " +
@@ -86,8 +86,8 @@ static void check_index(int device_index, int count) {
                                            "; choose a lower index or -1.");
 }
 
-// Drivers keep threads for their whole process: one that is forked from it has their state without these threads, and would wait
-// for them for ever.
+// Drivers keep threads for their whole process. A forked process has the driver's state without these threads, and would wait for
+// them forever.
 static void refuse_after_fork() {
   static std::atomic<long> opened_in = 0;
   long other = 0;
@@ -102,7 +102,7 @@ GlContext::GlContext(bool software, int device_index, const DriverSubstitute &su
   const int count = system_.list_devices(software);
   check_index(device_index, count);
   const int first = std::max(device_index, 0), end = device_index < 0 ? count : device_index + 1;
-  std::string refused; // the last one of the kind asked for
+  std::string refused; // the last refused device of the requested kind
   for (int device = first; device < end; ++device) {
     if (!system_.make_current(device)) continue;
     const std::string flaw = look_at_context(software);

@@ -1,4 +1,4 @@
-// An OpenGL 4.5 core context that nobody sees, current on the thread that makes it.
+// An OpenGL 4.5 core context without a visible window, current on the thread that makes it.
 #pragma once
 
 #include <string>
@@ -11,15 +11,15 @@ namespace paradesc {
 
 class GlContext {
 public:
-  // software: true takes a software rasterizer, false a hardware device. device_index: among the devices of that kind, -1: the
-  // first that works. Throws Error(UNSUPPORTED) with what was found and what to do.
+  // software: true takes a software rasterizer, false a hardware device. device_index: among the devices of that kind; -1: the
+  // first that works. Throws Error(UNSUPPORTED) that says what was found and what to do.
   GlContext(bool software, int device_index, const DriverSubstitute &substitute = {});
 
   const Gl &gl() const { return gl_; }
   const std::string &device() const { return device_; }
 
 private:
-  // Loads OpenGL's functions and looks at what the context can do; why it cannot be used, or "".
+  // Loads OpenGL's functions and checks the context; returns why it cannot be used, or "".
   std::string look_at_context(bool software);
 
   SystemContext system_;

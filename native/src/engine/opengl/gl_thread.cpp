@@ -48,7 +48,7 @@ void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) 
   std::unique_lock lock(shared.mutex);
   shared.work = &work;
   shared.error = nullptr;
-  lock.unlock(); // or the thread would wake up only to wait for it
+  lock.unlock(); // otherwise the thread would wake up only to wait for the lock
   shared.changed.notify_all();
   lock.lock();
   shared.changed.wait(lock, [&] { return shared.work == nullptr; });

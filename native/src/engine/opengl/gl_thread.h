@@ -1,4 +1,4 @@
-// The private thread that owns the OpenGL context and makes every OpenGL call; others post work to it and wait.
+// The private thread that owns the OpenGL context and makes every OpenGL call; other threads post work to it and wait.
 #pragma once
 
 #include <atomic>
@@ -21,15 +21,15 @@ public:
   GlThread(const GlThread &) = delete;
   GlThread &operator=(const GlThread &) = delete;
 
-  // Runs work on the thread, waits for it, and throws on what it throws. One caller at a time.
+  // Runs work on the thread, waits for it, and rethrows its exception. One caller at a time.
   void run(const std::function<void(const Gl &, ProgramCache &)> &work);
   const std::string &device() const { return device_; }
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
   int group_size() const { return group_size_; }             // invocations that a device runs together
   int list_texels() const { return list_texels_; }           // of a buffer texture, at most
-  // Nothing more can be computed here: some work ended with DEVICE_LOST, or the thread is in another process.
+  // Whether nothing more can be computed here, because some work ended with DEVICE_LOST or the thread is in another process.
   bool lost() const { return shared_->lost || is_left_behind(); }
-  // Whether this process was forked from the thread's own. What lives on the device must then be left as it is.
+  // Whether this process was forked from the thread's own. Objects on the device must then be left as they are.
   bool is_left_behind() const;
 
 private:

@@ -1,4 +1,4 @@
-// The shaders' text on 16-bit floats as C++, for what reads such buffers back.
+// The shaders' code for 16-bit floats compiled as C++, for reading such buffers back.
 #pragma once
 
 #include <glm/common.hpp>

@@ -1,5 +1,5 @@
-// Values of a map at the points of a mesh → a texture of them beside the geometry buffers: a texel has the map's value at the
-// surface point that it holds.
+// Values of a map at the points of a mesh → a texture beside the geometry buffers: each texel has the map's value at its surface
+// point.
 #pragma once
 
 #include "descriptor/passes.h"
@@ -20,9 +20,9 @@ class MapBuffer {
 public:
   MapBuffer(const Gl &gl, int size) : gl_(gl), size_(size), map_(gl, size, size, GL_RGBA32F) {}
 
-  // Interpolates the values by the owners of a buffer's texels.
+  // Interpolates the values to texels by the owners of the buffer's texels.
   void bake(ProgramCache &programs, GeometryBuffer &buffer, const MapInput &input);
-  // Binds what samples read.
+  // Binds the texture that samples read.
   void bind() const { gl_.BindTextureUnit(UNIT_MAP, map_.id()); }
   std::vector<vec4> read() const; // (size * size)
   int size() const { return size_; }

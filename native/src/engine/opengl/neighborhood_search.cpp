@@ -1,4 +1,4 @@
-// Lists of cells in buffer textures, which dispatches look through.
+// Searches lists of cells in buffer textures, by dispatches over centers.
 #include "engine/opengl/neighborhood_search.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void NeighborhoodSearch::set_starts(const Gl &gl, const Starts &starts, uint64_t
   starts_version_ = version;
 }
 
-// A dispatch's lists of ranges have room for as many as there may be: none has to be counted before.
+// Gives the lists of ranges of a dispatch their largest possible length, so that nothing has to be counted first.
 void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   const size_t of_cell = (halves_ ? 2 * CELL_LEAVES : CELL_LEAVES) + (cells.has_texelless() ? 1 : 0);
   const auto group = static_cast<size_t>(gl.limits.group_size), longest = static_cast<size_t>(cells.room().longest);
@@ -37,7 +37,7 @@ void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   neighborhoods_.reserve(gl, most * sizeof(NeighborhoodRanges));
 }
 
-// First how long they are, then what is in them; then what centers look at, made once for all that start in a cell.
+// Counts the near cells, then lists them, then lists what centers visit; all centers that start in one cell share these lists.
 void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, GLuint centers) {
   const auto room = static_cast<size_t>(std::max(cells.room().cells, 1)),
              neighbors = static_cast<size_t>(std::max(cells.room().neighbors, 1)),

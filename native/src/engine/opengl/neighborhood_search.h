@@ -11,32 +11,32 @@
 
 namespace paradesc {
 
-// What centers search with, in one frame.
+// The inputs of the search in one frame.
 struct SearchSpace {
   GLuint centers;                 // CenterData
   std::span<const vec4> boundary; // (cells.boundary, 2) ends of the half-edges, in buffer units
-  bool halves;                    // samples in two turns, black squares and white ones
+  bool halves;                    // samples in two turns: black squares, then white ones
 };
 
-// What chooses the text of the program that searches.
+// The choices that select the text of the search program.
 struct SearchVariant {
   bool over_links, exact, halves, texelless, fine;
-  int words; // of 32 bits, with one for each cell that is near
+  int words; // 32-bit words of a mask with one bit per near cell
 };
 
 GLuint neighborhoods_program(const Gl &gl, ProgramCache &programs, const SearchVariant &variant);
 
 class NeighborhoodSearch {
 public:
-  // version: of the starts. Does nothing if they are there already.
+  // version: of the starts. Does nothing if the device has this version already.
   void set_starts(const Gl &gl, const Starts &starts, uint64_t version);
-  // Lists what is near the cells that centers start in. Throws Error where a neighborhood may have more ranges than the device
-  // lists.
+  // Lists what is near the cells that centers start in. Throws Error if a neighborhood may have more ranges than the device can
+  // list.
   void set(const Gl &gl, ProgramCache &programs, CellBuffers &cells, const SearchSpace &space);
-  // Finds the neighborhoods of so many centers at most, or of those that are computed again where exact is true. Their
-  // parameters and lists are bound. These neighborhoods replace those of the last call.
+  // Finds the neighborhoods of at most `count` centers; if exact is true, of centers that are computed again. Their parameters
+  // and lists must be bound. These neighborhoods replace those of the last call.
   void run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int count) const;
-  // Binds what samples read.
+  // Binds the lists that samples read.
   void bind(const Gl &gl) const;
   int most_centers() const { return most_centers_; } // of one dispatch
 
@@ -49,7 +49,7 @@ private:
       boundary_, starts_, start_cells_, start_lists_, ranges_;
   Buffer found_cells_, neighborhoods_, walks_;
   bool halves_ = false;
-  uint64_t starts_version_ = 0; // of what is there
+  uint64_t starts_version_ = 0; // of the starts on the device
   int center_count_ = 0, list_count_ = 0, near_words_ = 1, ranges_of_center_ = 1, most_centers_ = 1;
 };
 

@@ -1,4 +1,4 @@
-// Baked buffers → cells of their texels, the samples of each, and what centers find their neighborhoods in.
+// Baked buffers → cells of their texels, the samples of each cell, and the inputs of the search for neighborhoods.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-// Wider where samples lie farther apart. One invocation measures a cell, and software devices limit its loops (shared.h).
+// Blocks are wider if samples lie farther apart. One invocation measures a cell, and software devices limit its loops (shared.h).
 int block_size(double radius_in_texels, int samples, int buffer_size) {
   constexpr int largest = 128;
   static_assert(largest * (largest + 1) < MAX_ITERATIONS);
@@ -18,7 +18,7 @@ int block_size(double radius_in_texels, int samples, int buffer_size) {
   return size;
 }
 
-// Makes the cells for the frame's radius the first of those that are kept.
+// Moves the cells for the frame's radius to the front of those that are kept, making them if there are none.
 void TextureSpace::use_cells(const Job &job, const Frame &frame) {
   const int buffer_size = device_->buffer->size();
   const int size = block_size(frame.radius_in_texels, job.options().samples, buffer_size);
@@ -53,7 +53,7 @@ static std::vector<vec4> ends_of_boundary(const Cells &cells, const Triangles &t
   return ends;
 }
 
-// Where the device fits normals, the processor has them at the corners of these triangles alone.
+// If the device fits normals, the processor computes them only at the corners of these triangles.
 static TexellessSamples texelless_samples(const Job &job, const Frame &frame, const Cells &cells, float radius) {
   if (cells.texelless.empty()) return {};
   const Surface &surface = job.surface;
@@ -93,7 +93,7 @@ const TexellessSamples &TextureSpace::list_samples(const Job &job, const Frame &
   });
 }
 
-// How many triangles a disk holds on which some centers lie.
+// The number of triangles in a disk around centers, which lie on these triangles.
 static double triangles_in_disk(const Job &job, std::span<const int32_t> triangles, double radius) {
   const Triangles &surface = job.surface.triangles;
   const size_t step = triangles.size() / 1024 + 1;
@@ -106,7 +106,7 @@ static double triangles_in_disk(const Job &job, std::span<const int32_t> triangl
   return area > 0.0 ? pi * radius * radius * count / area : 0.0;
 }
 
-// Makes what ambiguous centers are checked with.
+// Makes the inputs of the check of ambiguous centers.
 void TextureSpace::prepare_check(const Job &job, const Frame &frame, const SearchStarts &starts) {
   const Surface &surface = job.surface;
   if (patch_codes_.empty()) {
@@ -127,13 +127,13 @@ void TextureSpace::prepare_check(const Job &job, const Frame &frame, const Searc
   checked_starts_ = starts.version;
 }
 
-// Makes what neighborhoods of the evaluator's centers are found in.
+// Makes the inputs of the search for neighborhoods of the evaluator's centers.
 void TextureSpace::prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const SearchStarts &starts) {
   CellSet &set = cells();
   prepare_check(job, frame, starts);
   if (set.room != sampling) {
     set.flood_room = expected_patches(triangles_in_disk(job, starts.triangles, sampling.radius / frame.space.scale));
-    set.tile = 0; // a frame whose lists had no room found nothing, in no time
+    set.tile = 0; // a frame without room in its lists found nothing, and took no time
   }
   device_->connected.expect(set.flood_room);
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
@@ -156,7 +156,7 @@ void TextureSpace::prepare_search(const Job &job, const Frame &frame, const Cell
   checkpoint();
 }
 
-// As CellBuffers::make_room, for the search that was prepared last.
+// Calls CellBuffers::make_room for the search that was prepared last.
 bool TextureSpace::had_room(const SearchCounts &counts, bool anew) {
   CellSet &set = cells();
   if (set.buffers->make_room(counts, anew, gl_->list_texels())) return true;
@@ -165,19 +165,19 @@ bool TextureSpace::had_room(const SearchCounts &counts, bool anew) {
   return false;
 }
 
-// As ConnectedTriangles::make_room. Each radius has its own, since several may take turns.
+// Calls ConnectedTriangles::make_room. Each radius keeps its own room, since several radii may alternate.
 bool TextureSpace::floods_had_room(int patches) {
   const bool fits = device_->connected.make_room(patches);
   cells().flood_room = device_->connected.room();
   return fits;
 }
 
-// The points of the samples, if they are listed; null: samples fetch texels.
+// The listed points of the samples; null if samples fetch texels instead.
 const BufferTexture *TextureSpace::listed_points(const Job &job) {
   return job.connected() && listed_points_.find(*cells().samples.key()) ? &device_->points : nullptr;
 }
 
-// Lists the points of the samples if centers fetch them often: listing a point costs a few fetches of it.
+// Lists the points of the samples if centers fetch them often: listing a point costs as much as a few fetches.
 void TextureSpace::list_points(size_t centers) {
   constexpr size_t worth = 4;
   const CellSet &set = cells();
@@ -192,7 +192,7 @@ void TextureSpace::list_points(size_t centers) {
   if (listed) listed_points_.get(key, [] { return true; });
 }
 
-// The wedges, sorted by point; begin: (points + 1) where those of each point start.
+// The wedges sorted by point; begin: (points + 1) the first wedge of each point.
 static std::vector<int32_t> wedges_by_point(const Charts &charts, int point_count, std::vector<int32_t> &begin) {
   begin.assign(static_cast<size_t>(point_count) + 1, 0);
   for (const Wedge &wedge : charts.wedges) ++begin[wedge.point + 1];
@@ -224,7 +224,7 @@ static Starts starts_of(const Job &job, const Cells &cells, const Centers &cente
   return list_starts(first, list, cells.count);
 }
 
-// In the order in which they are evaluated: invocations side by side then have much the same samples, and as many.
+// The centers in the order of evaluation: neighboring invocations then have much the same samples, and equally many.
 const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame &frame) {
   CellSet &set = cells();
   const pdesc_options &options = job.options();
@@ -243,13 +243,13 @@ const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame 
   });
 }
 
-// A center's normal is its point's, or, if the device fits them, its fan's.
+// The centers on the device. The normal of a center is its point's, or its fan's if the device fits normals.
 const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &frame, const OrderedCenters &ordered) {
   CellSet &set = cells();
   const Centers &centers = ordered.centers;
   const bool fits = frame.key.surface.fits_normals;
   const PlacedKey key{ordered.version, fits};
-  if (!set.placed.find(key)) gl_->run([&](const Gl &, ProgramCache &) { set.placed.clear(); }); // it lives on the device
+  if (!set.placed.find(key)) gl_->run([&](const Gl &, ProgramCache &) { set.placed.clear(); }); // destroys it on the GL thread
   const auto &kept = set.placed.get(key, [&] {
     const auto groups = fits ? 0 : static_cast<int32_t>(job.surface.normals().group.size());
     std::vector<ivec2> sources;

@@ -1,6 +1,6 @@
-// Stands in for egl_context.cpp and wgl_context.cpp on systems whose OpenGL is not used: there is never a device, and the
-// processor computes. macOS ends at OpenGL 4.1. Windows on ARM has no driver of OpenGL 4.5 but Mesa's over Direct3D 12, which
-// ended Blender itself on some of these machines.
+// Replaces egl_context.cpp and wgl_context.cpp on systems whose OpenGL is not used: there is never a device, and the processor
+// computes. macOS ends at OpenGL 4.1. On Windows on ARM the only driver of OpenGL 4.5 is Mesa's over Direct3D 12, which crashed
+// Blender itself on some of these machines.
 #include "engine/opengl/system_context.h"
 
 #include "support/error.h"

@@ -22,7 +22,7 @@ public:
       : software_(software), thread_(std::make_shared<GlThread>(software, device_index, substitute)) {}
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
-  // Shaders carry charts' numbers in floats, which are exact up to 2^24, and there may be as many as triangles.
+  // Shaders store chart numbers in floats, which are exact up to 2^24, and there may be as many charts as triangles.
   Abilities abilities() const override {
     return {.texture_space = true, .surface_maps = true, .texels = true, .max_triangles = 1 << 24};
   }
@@ -44,17 +44,17 @@ static bool reads_map(std::span<const int> descriptors) {
   return std::ranges::any_of(descriptors, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
 }
 
-// Of the rings that a device fits normals to, which the mesh keeps as well.
+// Bytes of the rings that a device fits normals to. The mesh keeps a copy of its own.
 static int64_t bytes_of_rings(const ComputationSize &size) {
   return device_may_fit_normals(size.options, size.surface_maps) ? size.points * 250 : 0;
 }
 
-// Cells near the centers that start in one cell are listed once for them, with their neighbors. How many there are follows from
-// how much of the buffers the map fills, which is not known yet: what takes the most is expected.
+// Cells near the centers of one cell are listed once for all of these centers, together with their neighbors. The number depends
+// on how much of the buffers the map fills, which is not yet known, so the worst case is assumed.
 static int64_t bytes_of_near_cells(const ComputationSize &size, int64_t centers) {
   constexpr double of_cell = 84, of_neighbor = 16, neighbors = 7, spare = 1.125; // CellBuffers::make_room
-  constexpr double beyond = 1.7;                                                 // blocks, that a list reaches beyond the radius
-  constexpr double cut_by_border = 4;  // of the blocks along a chart's border, one makes a cell more
+  constexpr double beyond = 1.7;                                                 // blocks that a list reaches beyond the radius
+  constexpr double cut_by_border = 4;  // one in so many blocks along a chart's border makes one more cell
   constexpr double of_triangle = 2.31; // the square of a side, in areas of a regular triangle
   const pdesc_options &options = size.options;
   const double texels = static_cast<double>(options.buffer_size) * options.buffer_size;
@@ -83,7 +83,7 @@ static int64_t bytes_of_device(bool software, const ComputationSize &size) {
                   size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors));
   if (options.relocation == PDESC_RELOCATION_CONNECTED) {
     const int64_t ranges_of_center =
-        options.adaptive > 0.0 ? 1024 : 512; // of some 120 cells near it, each of which may have as many as leaves
+        options.adaptive > 0.0 ? 1024 : 512; // some 120 near cells, each with up to as many ranges as leaves
     bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
              + bytes_of_near_cells(size, centers) +
              std::min(centers * ranges_of_center, int64_t{most_ranges(software)}) * bytes_of_range +

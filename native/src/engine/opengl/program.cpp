@@ -56,7 +56,7 @@ static std::string file_list(const std::string &source) {
   return list;
 }
 
-// A driver's log as the end of one sentence: its lines joined, and cut where it runs long.
+// A driver's log as the end of one sentence: its lines are joined, and cut if they are too long.
 static std::string one_line(const char *log) {
   constexpr size_t max_length = 600;
   std::string text;

@@ -17,11 +17,11 @@ struct EmbeddedShader {
 };
 const std::vector<EmbeddedShader> &embedded_shaders();
 
-// The text of one embedded file, its #include lines resolved and #line directives set. generated: texts for includes that are
+// The text of one embedded file, with #include lines resolved and #line directives set. generated: texts of includes that are
 // made at run time, by name.
 std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated);
 
-// A line of a text that is made at run time: what is chosen while compiling, 1 or 0, or a number.
+// One #define of a text that is made at run time: a compile-time choice, 1 or 0, or a number.
 std::string define(const char *name, int value);
 
 struct ShaderStage {
@@ -31,12 +31,12 @@ struct ShaderStage {
 
 class ProgramCache {
 public:
-  // name: what distinguishes this program from others of the same files. Of many programs, those asked for last are kept: each
-  // takes half a megabyte, and a context may live as long as its host. Throws Error(UNSUPPORTED) with the driver's log.
+  // name: distinguishes programs of the same files. Only the most recently requested programs are kept: each takes half a
+  // megabyte, and a context may live as long as its host. Throws Error(UNSUPPORTED) with the driver's log.
   GLuint get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
              const std::map<std::string, std::string> &generated = {});
-  GLuint find(const std::string &name); // 0: it is not kept
-  void clear() { programs_.clear(); }   // the context is about to go, and takes the programs with it
+  GLuint find(const std::string &name); // 0: the program is not kept
+  void clear() { programs_.clear(); }   // for a context that is about to be destroyed together with its programs
 
 private:
   static constexpr size_t max_programs_ = 32;

@@ -8,7 +8,7 @@ namespace paradesc {
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-// Positions and normals; nothing where no chart is.
+// Positions or normals of texels; none outside of charts.
 static ReadBuffer vectors(const std::vector<vec4> &texels, const std::vector<int32_t> &ids, dvec3 center, double scale) {
   ReadBuffer read{0, 3, {}};
   for (size_t i = 0; i < texels.size(); ++i)
@@ -33,7 +33,7 @@ static ReadBuffer chart_numbers(const std::vector<int32_t> &ids) {
   return read;
 }
 
-// The chart beyond the first seam of the texel's own chart that runs through it.
+// The chart behind the first seam of the texel's own chart that runs through the texel.
 static ReadBuffer neighbor_charts(const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts) {
   ReadBuffer read;
   for (size_t i = 0; i < ids.size() / 2; ++i) {

@@ -31,14 +31,14 @@ int64_t TextureSpace::bytes_kept_for_others() const {
   return all;
 }
 
-// A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
+// The pattern is spread over an enlarged ellipse, so it needs more samples to keep as many within the ball.
 static int pattern_samples(const Job &job, const Frame &frame, int samples) {
   if (!frame.displaced || job.connected()) return samples;
   const auto shrinkage = static_cast<double>(frame.displaced->shrinkage);
   return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
 }
 
-// Evaluates the vertices pass by pass: operators on a map come after what the map is made of.
+// Evaluates the vertices pass by pass: operators on a map come after the pass that computes the map.
 void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed) {
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
@@ -47,7 +47,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
   const Centers listed = ordered ? Centers() : list_centers(job.charts(), center_options(job, frame, radius));
   const Centers &centers = ordered ? ordered->centers : listed;
   const PlacedCenters *const placed = ordered && !frame.displaced ? &placed_centers(job, frame, *ordered) : nullptr;
-  std::pair<double, int> prepared{0.0, 0}; // for which radius centers are there, and for how many samples their search
+  std::pair<double, int> prepared{0.0, 0}; // radius of the centers that are ready, and the sample count of their search
   const auto place_centers = [&](double pass_radius) {
     const std::vector<CenterData> data = placed ? std::vector<CenterData>() : describe(job, frame, centers, pass_radius);
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
@@ -85,7 +85,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
   computed.report.places = static_cast<int32_t>(centers.points.size());
 }
 
-// The texels of a map, and the cells that they start from if these lead to neighborhoods: both depend on the layout alone.
+// The texels of a map and, if searches are used, the cells that these start from: both depend on the layout alone.
 const TexelMap &TextureSpace::texel_map(const Job &job, const Frame &frame) {
   const int size = job.options().texels;
   const Charts &charts = job.charts();
@@ -120,7 +120,7 @@ static Starts starts_of_texels(std::span<const int32_t> start, const Cells &cell
   return list_starts(begin, list, cells.count);
 }
 
-// Evaluates the texels of a map in batches, between which a computation can be cancelled; then looks the vertices up there.
+// Evaluates the texels of a map in batches, between which a computation can be cancelled; then looks up the vertices there.
 void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   constexpr size_t batch = size_t{1} << 15;
   refuse_beyond_texels(job, frame);

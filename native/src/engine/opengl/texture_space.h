@@ -1,6 +1,6 @@
 // A mesh in texture space (the paper's method): baked buffers, cells of their texels, neighborhoods among them, sums in shaders.
 //
-// Each stage is made by one function from inputs that it does not change, and is kept under its key (support/keyed.h).
+// Each stage is made by one function from inputs that the function does not change, and is kept under its key (support/keyed.h).
 #pragma once
 
 #include <array>
@@ -31,10 +31,10 @@
 
 namespace paradesc {
 
-// ---- Keys: what a stage was made from
+// ---- Keys: the inputs that a stage was made from
 
 struct AtlasSize {
-  int atlas; // its version
+  int atlas; // the atlas's version
   int size;  // texels along a side
   bool operator==(const AtlasSize &) const = default;
 };
@@ -47,10 +47,10 @@ struct LayoutKey {
 };
 
 struct SurfaceKey {
-  uint64_t positions;              // their version
-  int maps;                        // likewise
+  uint64_t positions;              // the positions' version
+  int maps;                        // the maps' version
   std::array<uint64_t, 3> normals; // NormalsOnDemand::key
-  bool fits_normals;               // the device does
+  bool fits_normals;               // on the device
   bool operator==(const SurfaceKey &) const = default;
 };
 
@@ -70,7 +70,7 @@ struct SamplesKey {
 
 struct BakedLayout {
   TexelCounts counts;
-  int texelless_triangles = 0; // on charts, but without a texel
+  int texelless_triangles = 0; // triangles on charts that got no texel
 };
 
 // Whether each wedge starts alone, and the seed.
@@ -80,38 +80,38 @@ using CentersKey = std::pair<bool, uint32_t>;
 struct OrderedCenters {
   Starts starts;
   Centers centers;
-  std::vector<int32_t> vertices;  // of the centers
-  std::vector<int32_t> triangles; // one of each center
+  std::vector<int32_t> vertices;  // (centers)
+  std::vector<int32_t> triangles; // (centers) one triangle each
   uint64_t version = 0;           // differs from that of any other starts of the session
 };
 
-// What of them depends on which normals they take: OrderedCenters' version, and SurfaceKey::fits_normals.
+// The key of placed centers: OrderedCenters' version, and SurfaceKey::fits_normals.
 using PlacedKey = std::pair<uint64_t, bool>;
 
-// The same on the device, which gives them positions and normals.
+// Ordered centers on the device, which gives them positions and normals.
 struct PlacedCenters {
   Buffer data; // CenterData
   Places places;
 };
 
-// Where centers start to look for their neighborhoods.
+// The places where centers start to search for their neighborhoods.
 struct SearchStarts {
   const Starts &starts;
-  std::span<const int32_t> triangles; // one of each center
-  uint64_t version;                   // of both
+  std::span<const int32_t> triangles; // (centers) one triangle each
+  uint64_t version;                   // of both arrays
 };
 
 // The cells of one block size: each radius has its own.
 struct CellSet {
   Cells cells;
   std::unique_ptr<CellBuffers> buffers;
-  Keyed<BakeKey, bool> measured;                // what the buffers' cells and links are of
-  Keyed<SamplesKey, TexellessSamples> samples;  // and their samples; those of triangles without texels
-  CellSampling room;                            // for which the buffers' lists have had room
-  int flood_room = 0;                           // that floods had then, as ConnectedTriangles has it
-  int ambiguous = 0;                            // centers that may be ambiguous: there were fewer before
-  int tile = 0;                                 // centers that were computed at once in about the time that they should take
-  Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) where their searches start
+  Keyed<BakeKey, bool> measured;                // the bake whose cells and links the buffers hold
+  Keyed<SamplesKey, TexellessSamples> samples;  // the samples they hold; the value has those of triangles without texels
+  CellSampling room;                            // sampling for which the buffers' lists have had room
+  int flood_room = 0;                           // patches that floods had room for, see ConnectedTriangles
+  int ambiguous = 0;                            // expected number of ambiguous centers, somewhat above the last one
+  int tile = 0;                                 // centers per dispatch that take about the intended time
+  Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) cells that their searches start from
   Keyed<CentersKey, OrderedCenters> centers;    // at vertices
   Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
 };
@@ -120,10 +120,10 @@ struct CellSet {
 struct Frame {
   BakeKey key;
   BakeSpace space;
-  const DisplacedPoints *displaced = nullptr; // where maps displace it
+  const DisplacedPoints *displaced = nullptr; // if maps displace the surface
   float enlargement = ellipse_enlargement;    // of sampling ellipses over the radius
-  std::vector<vec4> links;                    // as seam_links, if samples march
-  std::vector<int32_t> seams;                 // as number_seams, in the paper's relocation
+  std::vector<vec4> links;                    // from seam_links, if samples march
+  std::vector<int32_t> seams;                 // from number_seams, in the paper's relocation
   double radius_in_texels = 0.0;
 };
 
@@ -136,7 +136,7 @@ struct Job {
   const pdesc_options &options() const { return request.options; }
   bool connected() const { return request.options.relocation == PDESC_RELOCATION_CONNECTED; }
   const Charts &charts() const { return surface.atlases.current().charts; }
-  const Triangles &triangles(const Frame &frame) const { // as they are measured
+  const Triangles &triangles(const Frame &frame) const { // as measured
     return frame.displaced ? frame.displaced->triangles : surface.triangles;
   }
 };
@@ -160,8 +160,8 @@ private:
     std::unique_ptr<GeometryBuffer> buffer;
     Evaluator evaluator;
     std::unique_ptr<MapBuffer> map;              // if an operator was asked for
-    std::vector<std::unique_ptr<CellSet>> cells; // of the last radii, that of the last one first
-    BufferTexture points;                        // of samples, if centers fetch them often
+    std::vector<std::unique_ptr<CellSet>> cells; // of recent radii, the last one's first
+    BufferTexture points;                        // of samples, if they are listed
     NeighborhoodSearch search;
     ConnectedTriangles connected;
     SurfaceMapper mapper;
@@ -215,25 +215,25 @@ private:
 
   Keyed<AtlasSize, BorderGrid> grid_;
   Keyed<std::pair<int, uint64_t>, BakeVertices> vertices_; // by the atlas's version, and LayoutKey::fans
-  Keyed<LayoutKey, BakedLayout> layout_;                   // what the buffers' owners are
+  Keyed<LayoutKey, BakedLayout> layout_;                   // the layout that the buffers' owners are of
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
-  Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
+  Keyed<BakeKey, BakeSpace> baked_;                                  // the bake that the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
   Keyed<AtlasSize, TexelMap> texels_;
-  Evaluated evaluated_;                   // of the last passes: a new list would take as long to get
-  uint64_t last_version_ = 0;             // of starts
+  Evaluated evaluated_;                   // results of the last passes: a new array would take as long to allocate
+  uint64_t last_version_ = 0;             // of the last starts
   std::vector<int32_t> patch_codes_;      // Patches::code, if they are on the device
   uint64_t checked_starts_ = 0;           // version of the starts that device_->connected has
-  Keyed<SurfaceKey, bool> patches_;       // where they were measured
-  Keyed<SamplesKey, bool> listed_points_; // what device_->points holds
+  Keyed<SurfaceKey, bool> patches_;       // the surface on which they were measured
+  Keyed<SamplesKey, bool> listed_points_; // the samples whose points device_->points holds
 };
 
-// Texels along a side of the blocks that cells are cut by, about half the radius: a neighborhood then meets a few dozen cells, at
-// every radius.
+// The side, in texels, of the blocks that cells are cut by: about half the radius, so that a neighborhood meets a few dozen cells
+// at every radius.
 int block_size(double radius_in_texels, int samples, int buffer_size);
 
-// Whether nothing on the processor asks for the normals that these options want, unless there are creases: the device then fits
-// them by itself, if it can list their rings.
+// Whether nothing on the processor needs the normals of these options. The device then fits them itself, unless there are creases
+// or it cannot list the rings.
 bool device_may_fit_normals(const pdesc_options &options, bool surface_maps);
 
 std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);

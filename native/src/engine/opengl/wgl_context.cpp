@@ -17,7 +17,7 @@ namespace paradesc {
 
 namespace {
 
-// What WGL_ARB_create_context, its profiles and its robustness name.
+// Constants of WGL_ARB_create_context, its profiles and its robustness extension.
 using CreateContextAttribs = HGLRC(WINAPI *)(HDC, HGLRC, const int *);
 using GetExtensionsString = const char *(WINAPI *)(HDC);
 constexpr int MAJOR_VERSION = 0x2091, MINOR_VERSION = 0x2092, FLAGS = 0x2094, PROFILE_MASK = 0x9126, CORE_PROFILE_BIT = 1,
@@ -35,8 +35,8 @@ struct WindowFunctions {
   decltype(&::PostThreadMessageW) post_thread_message = nullptr;
 };
 
-// Never shown. It lives on a thread of its own, which answers what the system sends to every window: one that does not
-// answer keeps the sender waiting, and OpenGL's thread may compute for seconds, or wait for work for hours.
+// A window that is never shown. It has a thread of its own, which answers the messages that the system sends to every window: a
+// window that does not answer blocks the sender, and OpenGL's thread may compute for seconds, or wait for work for hours.
 class HiddenWindow {
 public:
   explicit HiddenWindow(const WindowFunctions &windows) : windows_(windows) {
@@ -55,8 +55,8 @@ public:
   HDC dc() const { return dc_; } // or nullptr
 
 private:
-  // The class is this library's own, and its procedure the system's; so it may stay when the library is unloaded, and a second
-  // registration, which is refused, has the first one's effect.
+  // The window class is this library's own, with the system's procedure, so it may outlive the library. A second registration is
+  // refused, which leaves the first in effect.
   HWND make() const {
     HMODULE self = nullptr;
     GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
@@ -78,7 +78,7 @@ private:
     made.set_value();
     if (!window) return;
     for (MSG message; windows_.get_message(&message, nullptr, 0, 0) > 0;)
-      if (message.message != WM_CLOSE) windows_.dispatch_message(&message); // who asks all windows to close means the host's
+      if (message.message != WM_CLOSE) windows_.dispatch_message(&message); // a request to close all windows is for the host's
     if (dc_) windows_.release_dc(window, dc_);
     windows_.destroy_window(window);
   }
@@ -104,11 +104,11 @@ struct SystemContext::System {
   HGLRC context = nullptr;
   DriverSubstitute substitute;
 
-  // The driver's function of that name, or the one that a test substitutes.
+  // The driver's function of that name, or a test's substitute for it.
   void *chosen(const char *name, void *found) const { return substitute ? substitute(name, found) : found; }
 
-  // Extensions come from the driver, what OpenGL 1.1 has from the library alone; some drivers answer with small numbers instead
-  // of nullptr.
+  // Extensions come from the driver, functions of OpenGL 1.1 only from the library. Some drivers return small numbers instead of
+  // nullptr.
   void *function(const char *name) const {
     const auto found = reinterpret_cast<INT_PTR>(get_proc_address(name));
     const bool is_number = found >= -1 && found <= 3;
@@ -116,7 +116,7 @@ struct SystemContext::System {
   }
 };
 
-// Beside the program or of the system, in no folder else.
+// Searches only the program's and the system's folders.
 static HMODULE open_library(const auto &wgl, const char *name) {
   const auto found = reinterpret_cast<HMODULE>(
       wgl.chosen(name, reinterpret_cast<void *>(LoadLibraryExA(name, nullptr, LOAD_LIBRARY_SEARCH_DEFAULT_DIRS))));
@@ -153,7 +153,7 @@ static void open_libraries(auto &wgl) {
   need(user, "PostThreadMessageW", wgl.windows.post_thread_message);
 }
 
-// A format that drivers have; nothing is ever drawn into the window itself.
+// Sets a pixel format that all drivers have; nothing is ever drawn into the window itself.
 static bool set_format(const auto &wgl) {
   PIXELFORMATDESCRIPTOR format{};
   format.nSize = sizeof format;
@@ -167,8 +167,8 @@ static bool set_format(const auto &wgl) {
   return number != 0 && wgl.set_format(wgl.window->dc(), number, &format);
 }
 
-// An OpenGL 4.5 core context in place of the current one, of which this asks for WGL's extensions; nullptr if there is none.
-// Robustness is asked for where it is offered, because a driver that does not know the attributes may pass over them.
+// Makes an OpenGL 4.5 core context in place of the current one, which is used to query WGL's extensions; nullptr if that fails.
+// Robustness is requested only if it is offered, because a driver that does not know the attributes may ignore them.
 static HGLRC make_core_context(const auto &wgl) {
   const auto extensions = reinterpret_cast<GetExtensionsString>(wgl.function("wglGetExtensionsStringARB"));
   const auto create = reinterpret_cast<CreateContextAttribs>(wgl.function("wglCreateContextAttribsARB"));
@@ -198,10 +198,10 @@ SystemContext::SystemContext(const DriverSubstitute &substitute) : system_(std::
 
 SystemContext::~SystemContext() { drop(); }
 
-// WGL has no list: Windows, or the driver's own settings, choose which card a program gets.
+// WGL cannot list devices: Windows, or the driver's own settings, choose the card of a program.
 int SystemContext::list_devices(bool) { return 1; }
 
-// What can create contexts with attributes is asked of a context without.
+// Contexts with attributes are made by a function that only a context without attributes can provide.
 bool SystemContext::make_current(int) {
   System &wgl = *system_;
   wgl.window = std::make_unique<HiddenWindow>(wgl.windows);
