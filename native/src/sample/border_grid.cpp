@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-// Calls visit(x, y) for each texel that the segment touches, with a margin for the rounding of marches.
+// Calls visit(x, y) for each texel that the segment touches, with a margin for the rounding in marches.
 template <class Visit> static void touched_texels(dvec2 a, dvec2 b, int size, const Visit &visit) {
   constexpr double margin = 0.01;
   if (a.x > b.x) std::swap(a, b);
@@ -28,7 +28,7 @@ template <class Visit> static void touched_texels(dvec2 a, dvec2 b, int size, co
   }
 }
 
-// Squared distances along one line: the lower envelope of parabolas over its texels.
+// Squared distances along one line: the lower envelope of the parabolas of its texels.
 static void envelope(std::vector<float> &line, std::vector<float> &result, std::vector<int> &apex, std::vector<float> &bound) {
   const int n = static_cast<int>(line.size());
   int k = -1;
@@ -110,7 +110,7 @@ BorderGrid build_border_grid(const Charts &charts, int size) {
   grid.cells.resize(2 * texels);
   for (size_t i = 0; i < texels; ++i) {
     const int32_t count = begin[i + 1] - begin[i];
-    // The distance between two positions in two texels is at least that of the centers less a texel's diagonal.
+    // Two positions in two texels are at least as far apart as the texels' centers, less a texel's diagonal.
     const double safe = std::floor(std::sqrt(std::min(distance[i], 1e9f)) - 1.415);
     grid.cells[2 * i] = count > 0 ? -count : static_cast<int32_t>(std::max(safe, 0.0));
     grid.cells[2 * i + 1] = begin[i];
@@ -126,7 +126,7 @@ std::vector<int32_t> number_seams(const Charts &charts) {
     while (seam[i] != i) i = seam[i] = seam[seam[i]];
     return i;
   };
-  // Borders of one seam meet in a wedge, and their twins do, too.
+  // Borders of one seam meet at a wedge, and so do their twins.
   std::map<std::pair<int32_t, int32_t>, int32_t> met;
   for (size_t i = 0; i < seam.size(); ++i) {
     if (seam[i] < 0) continue;

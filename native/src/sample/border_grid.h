@@ -19,8 +19,8 @@ struct BorderGrid {
 
 BorderGrid build_border_grid(const Charts &charts, int size);
 
-// (borders) the number of each one's seam, seen from its side: borders that follow one another on both sides are one seam. -1
-// where nothing is on the other side.
+// (borders) the number of each border's seam as seen from its side: consecutive borders whose twins are consecutive, too, form
+// one seam. -1 if there is no other side.
 std::vector<int32_t> number_seams(const Charts &charts);
 
 } // namespace paradesc

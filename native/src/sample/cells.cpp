@@ -1,4 +1,4 @@
-// Texels → cells by union within blocks; links by texels side by side, by mesh edges and by seams.
+// Texels → cells by union-find within blocks; links between cells by adjacent texels, by mesh edges and by seams.
 #include "sample/cells.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Unions {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   }
-  // The lower number stays root, so that labels do not depend on the order of unions.
+  // The lower number stays the root, so that labels do not depend on the order of unions.
   void join(int32_t a, int32_t b) {
     a = root(a);
     b = root(b);
@@ -33,7 +33,7 @@ struct Unions {
 
 using Pairs = std::vector<uint64_t>; // two numbers each, for sorting
 
-// A texel at which the surface goes over from cell to cell.
+// A texel at which the surface crosses from one cell to another.
 struct Crossing {
   int32_t low, high; // cells
   int32_t texel;
@@ -58,7 +58,7 @@ void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
 }
 
-constexpr int one_block = 4096; // edges, triangles or wedges, for one thread at a time
+constexpr int one_block = 4096; // edges, triangles or wedges per block of a parallel loop
 
 class Builder {
 public:
@@ -84,7 +84,7 @@ public:
         cells_.wedge_cell[i] = cell_at(nudged(wedge.uv, wedge.inside), wedge.chart);
       }
     });
-    // A wedge that no texel carries starts where the edges from it are carried first, else where its triangle is.
+    // A wedge without a texel starts at the first texel along the edges from it, else in its triangle's cell.
     for (size_t corner = 0; corner < charts_.corner_wedge.size(); ++corner) {
       const int32_t wedge = charts_.corner_wedge[corner];
       if (wedge >= 0 && cells_.wedge_cell[wedge] < 0) cells_.wedge_cell[wedge] = cell_beside(static_cast<int>(corner));
@@ -99,7 +99,7 @@ private:
       for (int x = 0; x < size_; ++x) visit(x, y, static_cast<int32_t>(map_.index(x, y)));
   }
 
-  // Calls visit(texel, other) for texels side by side or at a corner that are joined.
+  // Calls visit(texel, other) for texels that share a side or a corner and are joined.
   template <class Visit> void each_joined_pair(const Visit &visit) const {
     for (int y = 0; y < size_; ++y) {
       checkpoint();
@@ -119,7 +119,7 @@ private:
     const size_t texels = static_cast<size_t>(size_) * static_cast<size_t>(size_);
     const int block = cells_.block_size;
     Unions unions(texels);
-    std::vector<std::pair<int32_t, int32_t>> between; // texels joined over the sides of blocks
+    std::vector<std::pair<int32_t, int32_t>> between; // joined texels in different blocks
     each_joined_pair([&](int x, int y, int x2, int y2) {
       const auto a = static_cast<int32_t>(map_.index(x, y)), b = static_cast<int32_t>(map_.index(x2, y2));
       if (x / block == x2 / block && y / block == y2 / block)
@@ -128,7 +128,7 @@ private:
         between.emplace_back(a, b);
     });
     const std::vector<int32_t> rank = build_cluster_tree(half_edges_).rank;
-    std::vector<std::tuple<int32_t, int32_t, int32_t>> roots; // where its triangle is in their tree, its block, first texel
+    std::vector<std::tuple<int32_t, int32_t, int32_t>> roots; // triangle's rank in the cluster tree, block's order, first texel
     each_texel([&](int x, int y, int32_t texel) {
       if (map_.chart(x, y) >= 0 && unions.root(texel) == texel)
         roots.emplace_back(rank[map_.triangle(x, y)], on_curve(x / block, y / block), texel);
@@ -142,14 +142,14 @@ private:
     for (const auto &[a, b] : between) link(a, b, crossings_);
   }
 
-  // The two texels lie where the cell of one goes over into that of the other.
+  // Links the cells of the two texels, if they differ.
   void link(int64_t texel_a, int64_t texel_b, std::vector<Crossing> &crossings) const {
     if (texel_a < 0 || texel_b < 0) return;
     const int32_t a = cells_.label[texel_a], b = cells_.label[texel_b];
     if (a != b) crossings.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
   }
 
-  // Sorts them by their lower cell first, one bucket each: most of them differ in that.
+  // Sorts crossings into one bucket per lower cell first, since most crossings differ in it.
   void sort_crossings() {
     std::vector<int32_t> begin(static_cast<size_t>(cells_.count) + 2, 0);
     for (const Crossing &crossing : crossings_) ++begin[crossing.low + 2];
@@ -166,7 +166,7 @@ private:
 
   void list_links() {
     sort_crossings();
-    std::vector<ivec2> ends; // of each link
+    std::vector<ivec2> ends; // the two cells of each link
     for (size_t i = 0; i < crossings_.size(); ++i) {
       const Crossing &crossing = crossings_[i];
       if (i == 0 || crossing.low != crossings_[i - 1].low || crossing.high != crossings_[i - 1].high) {
@@ -188,8 +188,8 @@ private:
     }
   }
 
-  // A texel on a border counts by the part that its chart covers, also where its center lies beyond: else seams are as rough as
-  // texels.
+  // Measures texels on borders by the part that their chart covers, also if their centers lie off the chart: otherwise seams
+  // would be as rough as texels.
   void cover_texels() {
     std::vector<int32_t> covered(2 * cells_.label.size());
     parallel_blocks(size_, threads_, 8, [&](int begin, int end) {
@@ -213,8 +213,8 @@ private:
     for (const ivec4 box : bounds) cells_.box.push_back(box.z > 0 ? ivec4(box.x, box.y, box.z - box.x, box.w - box.y) : ivec4(0));
   }
 
-  // The cell of a texel on a border, and how many of 16 positions in it lie on the chart. A texel whose center is off the chart
-  // goes to the cell beside it in the same block, if there is one.
+  // The cell of a texel on a border, and how many of 16 positions in the texel lie on the chart. A texel whose center is off the
+  // chart goes to an adjacent cell in the same block, if there is one.
   std::pair<int32_t, int> partly_covered(int x, int y) const {
     const int32_t chart = map_.owner(x, y);
     const bool center_inside = map_.chart(x, y) >= 0;
@@ -222,7 +222,7 @@ private:
     int32_t cell = center_inside ? cells_.label[map_.index(x, y)] : -1;
     int part = 0;
     for (int i = 0; i < 16; ++i) {
-      // They lie a little off a regular grid, so that no border runs through them.
+      // Positions are slightly off a regular grid, so that no border runs through them.
       const dvec2 position(x + (i % 4 + 0.4987) / 4.0, y + (i / 4 + 0.5023) / 4.0);
       if (map_.crosses_oddly(x, y, center, position, chart) == center_inside) continue;
       ++part;
@@ -236,7 +236,7 @@ private:
 
   dvec2 uv_of(int corner) const { return dvec2(charts_.corner_uv[corner]) * static_cast<double>(size_); }
 
-  // The position in texels, moved a little into the chart: on a border it would lie on both sides.
+  // The wedge's position in texels, moved slightly into the chart: a position on the border would be on both sides.
   dvec2 nudged(vec2 uv, vec2 inside) const {
     const dvec2 position = dvec2(uv) * static_cast<double>(size_), way = dvec2(inside) * static_cast<double>(size_) - position;
     return position + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
@@ -256,19 +256,19 @@ private:
     return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[half_edge / 3]};
   }
 
-  // The texel that carries a position on a half-edge, just inside its triangle.
+  // The texel that carries a position on a half-edge, moved slightly into its triangle.
   int64_t texel_on(const Line &line, double t) const {
     const dvec2 position = line.start + line.way * t;
     const dvec2 way = line.middle - position;
     return map_.carrier(position + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), line.chart);
   }
 
-  // Steps that skip no texel along an edge.
+  // The number of steps along an edge that skips no texel.
   int steps_along(const Line &line) const {
     return std::clamp(static_cast<int>(std::ceil(length(line.way) / 0.7)), 1, 4 * size_);
   }
 
-  // The cell nearest to a corner along the two edges of its triangle, on either side of them.
+  // The cell nearest to a corner along the two edges of its triangle, looking on both sides of each edge.
   int32_t cell_beside(int corner) const {
     int32_t best = cells_.triangle_cell[corner / 3];
     double nearest = 1e30;
@@ -297,8 +297,8 @@ private:
 
   vec3 position_of(int corner) const { return triangles_.position(corner); }
 
-  // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
-  // over a seam each position on the edge is on both sides.
+  // Walks along every edge of the mesh, texel by texel: a triangle connects cells even if texels do not show it, and across a
+  // seam each position on the edge is on both sides.
   void link_along_edges() {
     const int count = 3 * triangles_.triangle_count;
     first_.assign(static_cast<size_t>(count), -1);
@@ -309,7 +309,7 @@ private:
     };
     std::vector<Found> found(static_cast<size_t>(Blocks{count, one_block}.number()));
     parallel_blocks(count, threads_, one_block, [&](int begin, int end) {
-      Found here; // of its own: neighboring vectors share cache lines
+      Found here; // a local list, because neighboring vectors share cache lines
       for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);
       sort_unique(here.crossings);
       found[begin / one_block] = std::move(here);
@@ -324,7 +324,7 @@ private:
     if (charts_.triangle_chart[half_edge / 3] < 0) return;
     const int32_t border = charts_.half_edge_border[half_edge];
     const int32_t twin = half_edges_.twin[half_edge];
-    if (border < 0 && twin > half_edge) return; // an inner edge once
+    if (border < 0 && twin > half_edge) return; // visits an inner edge once
     const bool seam = border >= 0 && charts_.borders[border].kind == BorderKind::seam;
     const bool ends = border >= 0 && charts_.borders[border].kind == BorderKind::boundary;
     const Line line = line_of(half_edge), beyond = seam ? line_of(twin) : line;
@@ -344,7 +344,7 @@ private:
     }
   }
 
-  // The texel that carries each triangle's middle, or -1.
+  // The texel that carries each triangle's centroid, or -1.
   std::vector<int64_t> carriers() const {
     std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
     parallel_blocks(triangles_.triangle_count, threads_, one_block, [&](int begin, int end) {
@@ -357,7 +357,7 @@ private:
     return texel;
   }
 
-  // The middles of two triangles whose common edge is too far in a corner for texels are connected.
+  // Links the cells of two triangles whose common edge lies too far in a corner to have texels.
   void link_over_uncarried_edges(const std::vector<int64_t> &texel) {
     for (size_t half_edge = 0; half_edge < carried_.size(); ++half_edge) {
       const int32_t twin = half_edges_.twin[half_edge];
@@ -366,22 +366,22 @@ private:
     }
   }
 
-  // The first texel along an edge, or -1; of an inner edge one of the two half-edges knows it.
+  // The first texel along an edge, or -1. For an inner edge only one of the two half-edges stores it.
   int64_t first_along(size_t half_edge) const {
     const int32_t twin = half_edges_.twin[half_edge];
     const bool inner = charts_.half_edge_border[half_edge] < 0 && twin >= 0;
     return inner && first_[half_edge] < 0 ? first_[twin] : first_[half_edge];
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
-  // meet, the cells are linked, and so are texels that carry only an edge of such a triangle.
+  // Triangles without a texel nearby belong to the cell from which a breadth-first search over the surface reaches them first.
+  // Cells whose searches meet are linked, and so are cells of texels that carry only an edge of such a triangle.
   void attach_texelless_triangles() {
     std::vector<int64_t> texel = carriers();
     std::vector<uint8_t> texelless(texel.size(), 0);
     for (size_t t = 0; t < texelless.size(); ++t) texelless[t] = texel[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
     link_over_uncarried_edges(texel);
     std::queue<int32_t> queue;
-    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a texelless one leads anywhere
+    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only triangles beside texelless ones start searches
       const int32_t twin = half_edges_.twin[h];
       if (texel[h / 3] < 0 || twin < 0 || !texelless[twin / 3]) continue;
       if (queue.empty() || queue.back() != h / 3) queue.push(h / 3);
@@ -416,8 +416,8 @@ private:
   int size_, threads_;
   Cells cells_;
   std::vector<Crossing> crossings_;
-  std::vector<int64_t> first_;   // (half-edges) the first texel along it, or -1; of inner edges on one of the two
-  std::vector<uint8_t> carried_; // (half-edges) there are texels on both sides of some position
+  std::vector<int64_t> first_;   // (half-edges) the first texel along it, or -1; inner edges: on one of the two
+  std::vector<uint8_t> carried_; // (half-edges) some position has texels on both sides
   Pairs boundaries_;
 };
 

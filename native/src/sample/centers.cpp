@@ -1,4 +1,4 @@
-// The list has a center for each wedge, in the order of the wedges; the points that the UV map leaves out come after them.
+// The list has a center for each wedge, in the order of wedges, then a center for each point that the UV map leaves out.
 #include "sample/centers.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ double median_radius_in_texels(const Charts &charts, const CenterOptions &option
   return sizes[sizes.size() / 2];
 }
 
-// Marches start a little inside the chart: from a vertex on its border every direction would begin on an edge.
+// Marches start slightly inside the chart: from a vertex on its border every direction would begin on an edge.
 static vec2 march_start(const Wedge &wedge, int buffer_size) {
   const vec2 way = wedge.inside - wedge.uv;
   const float texels = length(way) * static_cast<float>(buffer_size);
@@ -56,7 +56,7 @@ Centers list_centers(const Charts &charts, const CenterOptions &options) {
     centers.wedges.push_back(static_cast<int32_t>(i));
     centers.points.push_back(charts.wedges[i].point);
   }
-  // Points that the UV map leaves out count as well: cells lead there, samples carried by the map do not.
+  // Points that the UV map leaves out get centers, too: cells lead to them, though samples that the map carries do not.
   for (size_t point = 0; options.connected && point < charts.point_wedge.size(); ++point) {
     if (charts.point_wedge[point] >= 0) continue;
     centers.wedges.push_back(-1);

@@ -1,5 +1,5 @@
-// Triangle ids and borders of the layout → the texel that carries a position on a chart, and whether two positions see each
-// other.
+// Triangle ids and borders of the layout → the texel that carries a position on a chart, and whether the straight line between
+// two positions stays on the chart.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,14 @@
 
 namespace paradesc {
 
-// Inline: where processors before 2008 have to be served, std::floor is a call.
+// Written inline because std::floor is a function call in builds that also serve processors before 2008.
 inline int floor_of(double x) {
   const int whole = static_cast<int>(x);
   return whole - (x < whole);
 }
 
-// Which texel a position on a chart belongs to, and whether two positions are joined by a straight way on the chart.
+// Finds the texel that a position on a chart belongs to, and tests whether two positions are joined by a straight line on the
+// chart.
 class ChartMap {
 public:
   ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts)
@@ -26,13 +27,13 @@ public:
 
   bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(size_) + static_cast<size_t>(x); }
-  // The chart of a texel whose center lies on one, else -1.
+  // The chart of a texel whose center lies on a chart, else -1.
   int32_t chart(int x, int y) const { return ids_[2 * index(x, y) + 1] >= 0 ? ids_[2 * index(x, y)] : -1; }
 
-  int32_t triangle(int x, int y) const { return ids_[2 * index(x, y) + 1]; } // where its center lies on a chart
+  int32_t triangle(int x, int y) const { return ids_[2 * index(x, y) + 1]; } // if the texel's center lies on a chart
 
-  // A texel's center; beside a border, a little towards the middle of its triangle: rasterizers round, and what they call inside
-  // may be outside by a hair.
+  // A texel's center; beside a border, moved slightly towards its triangle's centroid: rasterizers round, and a center that they
+  // call inside may be slightly outside.
   dvec2 middle(int x, int y) const {
     const dvec2 center(x + 0.5, y + 0.5);
     const int32_t triangle = ids_[2 * index(x, y) + 1];
@@ -43,7 +44,7 @@ public:
     return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
   }
 
-  // Whether no border of the chart crosses the way from a to b, which lie in one texel or in neighboring ones.
+  // Whether no border of the chart crosses the segment from a to b, which lie in one texel or in adjacent texels.
   bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
     const int x0 = floor_of(std::min(a.x, b.x)), x1 = floor_of(std::max(a.x, b.x));
     const int y0 = floor_of(std::min(a.y, b.y)), y1 = floor_of(std::max(a.y, b.y));
@@ -53,7 +54,7 @@ public:
     return true;
   }
 
-  // Whether the way from a to b, both in this texel, crosses the chart's borders an odd number of times.
+  // Whether the segment from a to b, both in this texel, crosses the chart's borders an odd number of times.
   bool crosses_oddly(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
     bool odd = false;
     each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
@@ -64,11 +65,11 @@ public:
   }
 
   bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
-  // Whether no border runs through the texels around.
+  // Whether no border runs through this texel or the texels around it.
   bool is_far_from_borders(int x, int y) const { return grid_.cells[2 * index(x, y)] > 0; }
-  int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
+  int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that owns the texel, also by an edge line
 
-  // The texel that carries a position on a chart: the one around it, or one beside that in sight; -1: none.
+  // The texel that carries a position on a chart: the texel around it, or an adjacent one joined to it; -1: none.
   int64_t carrier(dvec2 position, int32_t of_chart) const {
     const int x = floor_of(position.x), y = floor_of(position.y);
     if (inside(x, y) && chart(x, y) == of_chart && (!has_border(x, y) || joined(position, middle(x, y), of_chart)))

@@ -8,19 +8,19 @@
 
 namespace paradesc {
 
-// Vogel's golden-angle set: equal areas, low discrepancy at every count.
+// Vogel's golden-angle set: every sample has the same area, and discrepancy is low at every count.
 std::vector<vec2> golden_angle_pattern(int count);
 
-// The paper's stratified set: a random position in each of `count` cells of one area, mapped to the disk concentrically. The
-// cells are those of a square grid where count is a square; else rows that differ by one cell, and are as high as they have
-// cells. They come in the order of a snake through the rows: even and odd numbers are the two colors of a chessboard, so that
-// either half is spread evenly.
+// The paper's stratified set: a random position in each of `count` cells of equal area, mapped to the disk concentrically. If
+// count is a square, the cells form a square grid; otherwise rows differ by one cell, and a row's height is proportional to its
+// cells. Samples follow a snake through the rows, so even and odd ones are the two colors of a chessboard and each half is spread
+// evenly.
 std::vector<vec2> stratified_pattern(int count, uint32_t seed);
 
-// Maps [-1, 1]^2 to the unit disk, areas in proportion (Shirley and Chiu 1997).
+// Maps [-1, 1]^2 to the unit disk, preserving ratios of areas (Shirley and Chiu 1997).
 dvec2 concentric_disk(dvec2 square);
 
-// An angle in [0, 2 pi) from a point's number and the seed: the same everywhere.
+// An angle in [0, 2 pi) by hashing a point's number and the seed: the same on every system.
 float pattern_rotation(uint32_t point, uint32_t seed);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Centers of one cell lie together.
+// Sorts centers by cell.
 #include "sample/starts.h"
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 namespace paradesc {
 
 Starts list_starts(std::span<const int32_t> begin, std::span<const int32_t> start_cells, int cell_count) {
-  constexpr int32_t longest = 4096; // one invocation looks at all centers of a list (MAX_ITERATIONS in shared.h)
+  constexpr int32_t longest = 4096; // one invocation visits all centers of a list (MAX_ITERATIONS in shared.h)
   const size_t centers = begin.size() - 1, count = static_cast<size_t>(cell_count);
   const auto cell_of = [&](size_t i) { return begin[i] < begin[i + 1] ? static_cast<size_t>(start_cells[begin[i]]) : count; };
-  std::vector<int32_t> first(count + 2, 0); // of the centers of each cell
+  std::vector<int32_t> first(count + 2, 0); // first center of each cell
   for (size_t i = 0; i < centers; ++i) ++first[cell_of(i) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<int32_t> next(first.begin(), first.end() - 1);

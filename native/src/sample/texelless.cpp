@@ -1,4 +1,4 @@
-// Barycentric coordinates of pieces that are small against the radius.
+// Samples triangles at barycentric coordinates, by pieces that are small against the radius.
 #include "sample/texelless.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-// Triangles are divided until pieces are small against the radius; the middle of each piece is a sample.
+// Divides triangles until pieces are small against the radius; the centroid of each piece is a sample.
 TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles,
                                             const std::function<vec3(size_t corner)> &normal_of, const BakeSpace &bake_space,
                                             float radius, const DisplacedSurface *displaced) {
@@ -21,7 +21,7 @@ TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles 
         normal[i] = normal_of(corner + i);
       }
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
-      // Limited before it becomes an integer: radii may be as small as floats are.
+      // Clamped before the conversion to an integer, because radii may be as small as floats are.
       const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
       const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
       auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2

@@ -13,18 +13,18 @@
 
 namespace paradesc {
 
-static constexpr int many = 256; // texels of a row, or triangles, that take long enough to ask whether to go on
+static constexpr int many = 256; // texels of a row, or triangles, between two checks for cancelling
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 namespace {
 
-// The layout in texels of the map.
+// The layout, scaled to texels of the map.
 struct Raster {
   const Charts &charts;
   TexelMap &map;
   dvec2 uv(int32_t corner) const { return dvec2(charts.corner_uv[corner]) * static_cast<double>(map.size); }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(map.size) + static_cast<size_t>(x); }
-  // First and last texel whose center lies in [low, high].
+  // The first and last texel whose centers lie in [low, high].
   ivec2 range(double low, double high) const {
     return {std::max(static_cast<int>(std::ceil(low - 0.5)), 0),
             std::min(static_cast<int>(std::floor(high - 0.5)), map.size - 1)};
@@ -33,7 +33,7 @@ struct Raster {
 
 } // namespace
 
-// Where several triangles claim a texel, the first one has it.
+// Draws a triangle; if several triangles claim a texel, the first one gets it.
 static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart, std::vector<TexelCenter> &found) {
   const dvec2 a = raster.uv(3 * triangle), b = raster.uv(3 * triangle + 1), c = raster.uv(3 * triangle + 2);
   const double area = cross(b - a, c - a);
@@ -58,8 +58,8 @@ static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart,
   }
 }
 
-// Texels that a border passes through take the nearest position on it. distance: of the border from the texels that it has, from
-// center `owned` on.
+// Gives texels that a border passes through the nearest position on the border. distance: of the texels that borders own, from
+// center `owned` on, to their border.
 static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelCenter> &found,
                         std::vector<double> &distance) {
   constexpr double half_diagonal = 0.7072; // of a texel
@@ -70,7 +70,7 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
   const ivec2 rows = raster.range(std::min(0.0, way.y) + a.y - half_diagonal, std::max(0.0, way.y) + a.y + half_diagonal);
   for (int y = rows.x; y <= rows.y; ++y) {
     if (way.x * way.x > many * many) checkpoint();
-    // The part of the edge that this row's texels can be near to.
+    // The part of the edge that can be near this row's texels.
     double from = 0.0, to = 1.0;
     if (std::abs(way.y) > 1e-9) {
       const double low = (y - 0.5 - a.y) / way.y, high = (y + 1.5 - a.y) / way.y;
@@ -139,7 +139,7 @@ TexelMap build_texel_map(const Charts &charts, int size) {
 
 static vec3 weights_of(const TexelCenter &center) { return vec3(1.0f - center.weights.x - center.weights.y, center.weights); }
 
-// Values of a triangle's corners, interpolated at the center.
+// Interpolates values at a triangle's corners to the center.
 template <class Value, class At> static Value mix_corners(const TexelCenter &center, const At &at) {
   const vec3 weights = weights_of(center);
   const auto corner = 3 * static_cast<size_t>(center.triangle);
@@ -148,7 +148,7 @@ template <class Value, class At> static Value mix_corners(const TexelCenter &cen
   return sum;
 }
 
-// (u, v) of the center, and of a position a little inside its triangle: on a border every direction would begin on an edge.
+// (u, v) of the center, and of a position slightly inside its triangle: on a border every direction would begin on an edge.
 static vec4 center_uv(const TexelCenter &center, const Charts &charts, int size) {
   const auto corner = 3 * static_cast<size_t>(center.triangle);
   const auto at = [&](size_t c) { return charts.corner_uv[c]; };
@@ -196,12 +196,12 @@ namespace {
 
 struct Weighted {
   int32_t center;
-  float weight; // all weights add up to 1, and may be negative
-  float near;   // the weight where not all values are defined
+  float weight; // all weights add up to 1; a weight may be negative
+  float near;   // the weight used if some values are undefined
 };
 
-// Weights by which a plane fitted to values at the offsets (texels), each by its nearness, has its value at 0; false where the
-// offsets do not span the plane.
+// Finds weights for the value at 0 of a plane fitted, weighted by nearness, to values at the offsets (in texels). Returns false
+// if the offsets do not span the plane.
 bool fit_plane(const std::vector<vec2> &offsets, std::vector<Weighted> &found) {
   glm::dmat3 moments(0.0);
   for (size_t i = 0; i < found.size(); ++i) {
@@ -220,7 +220,7 @@ class Lookup {
 public:
   explicit Lookup(const TexelMap &map) : map_(map) {}
 
-  // The texel centers that a wedge's values are taken from; none where no texel of its chart is near.
+  // Finds the texel centers that a wedge's values are taken from; none if no texel of its chart is near.
   void near(const Wedge &wedge, std::vector<Weighted> &found) const {
     const vec2 texel = wedge.uv * static_cast<float>(map_.size) - 0.5f;
     const vec2 low = glm::floor(texel), share = texel - low;
@@ -289,11 +289,11 @@ static bool is_defined(const float *value, size_t width) {
   return std::none_of(value, value + width, [](float part) { return std::isnan(part); });
 }
 
-// A direction has two signs: each is turned to the side of the first.
+// Mixes values by weight. A direction has two signs, so each direction is first turned to the side of the first one.
 static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width, float *out) {
   const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.center) * width]; };
   if (width == 1) {
-    float whole = 0.0f; // no number where one is none
+    float whole = 0.0f; // NaN if any value is NaN
     for (const Weighted &one : from) whole += one.weight * *at(one);
     *out = whole;
     if (!std::isnan(whole)) return;
@@ -317,7 +317,7 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
   for (size_t k = 0; k < width; ++k) out[k] = total > 0.0f ? sum[static_cast<int>(k)] : nan;
 }
 
-// Leaves out the rows that have no point.
+// Removes the rows that have no point.
 static CenterResults without_gaps(CenterResults &&results) {
   const size_t rows = results.point.size();
   if (std::find(results.point.begin(), results.point.end(), -1) == results.point.end()) return std::move(results);

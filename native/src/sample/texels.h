@@ -17,15 +17,15 @@
 
 namespace paradesc {
 
-// A center of evaluation: the middle of a texel, or, if that lies off the chart, but the chart's border runs through the texel,
-// the nearest position on that border.
+// A center of evaluation: the middle of a texel or, if that lies off the chart but the chart's border runs through the texel, the
+// nearest position on that border.
 struct TexelCenter {
   int32_t texel; // y * size + x
   int32_t triangle;
   int32_t chart;
   vec2 weights; // of the triangle's corners 1 and 2
   vec2 uv;
-  bool on_border; // not at the texel's center
+  bool on_border; // not at the texel's middle
 };
 
 struct TexelMap {
@@ -46,9 +46,9 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
 // The positions of those centers in the layout, for find_cells.
 std::vector<LayoutPosition> texel_layout_positions(const TexelMap &map, const Charts &charts, size_t first, size_t last);
 
-// results: at all centers of the map → at wedges; at each point's primary one only, unless all_wedges. Values are bilinear
-// between texels of the wedge's own chart; beside its border, where some are missing or not at their middles, a plane is fitted
-// to those around. A wedge with no texel of its chart near has no row.
+// results: at all centers of the map → at wedges; at each point's primary wedge only, unless all_wedges. Values are bilinear
+// between texels of the wedge's own chart. Beside its border, where some texels are missing or have centers off their middles, a
+// plane is fitted to the texels around. A wedge without a nearby texel of its chart has no row.
 CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads = 0);
 
 // An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface. A map without
