@@ -1,7 +1,7 @@
-// A triangle whose points move along their normals, p + n h → its edges, its normal and the ratio of its areas. GLSL and C++, for texels and
-// for vertices.
+// A triangle whose points move along their normals, p + n h → its edges, its normal and the ratio of its areas. Compiled as GLSL
+// for texels and as C++ for vertices.
 struct Displaced {
-  vec3 edge1; // from corner 0, carried along
+  vec3 edge1; // from corner 0, as displaced
   vec3 edge2;
   vec3 normal;
   float area_ratio;
@@ -14,8 +14,8 @@ vec3 unit_or(vec3 v, vec3 other) {
 
 vec3 without_normal(vec3 v, vec3 n) { return v - n * dot(n, v); }
 
-// The change of an edge along which the interpolated normal, of length span, changes by `turn`, and (u, v) by `way`. height: h and its
-// gradient by (u, v).
+// The change of an edge by displacement. Along the edge the interpolated normal, of length span, changes by `turn`, and (u, v) by
+// `way`. height: h and its gradient by (u, v).
 vec3 change_of_edge(vec3 turn, vec2 way, vec3 n, float span, vec3 height) {
   return without_normal(turn, n) * (height.x / span) + n * dot(vec2(height.y, height.z), way);
 }

@@ -1,7 +1,8 @@
 // The inputs of descriptors: a center, one neighbor at a time, and at the end the neighborhood that was fitted to all of them.
 //
-// Everything in kernel/ is GLSL and C++ at once. So floats end in f, whole vectors are written without swizzles, parameters that a function
-// sets are OUT(type) or INOUT(type), and what is done for each neighbor chooses by mix(), not by branches: C++ adds eight of them at a time.
+// Everything in kernel/ is both GLSL and C++. So floats end in f, whole vectors are written without swizzles, parameters that a
+// function sets are OUT(type) or INOUT(type), and code that runs for each neighbor chooses by mix() instead of branches: C++ adds
+// several neighbors at a time, in lanes.
 #include "shared.h"
 #include "kernel/limits.h"
 
@@ -9,13 +10,13 @@
 #ifndef __cplusplus
 #define OUT(type) out type
 #define INOUT(type) inout type
-#define NOT_A_NUMBER uintBitsToFloat(0x7fc00000u) // no constant: strict compilers take no built-in function for one
+#define NOT_A_NUMBER uintBitsToFloat(0x7fc00000u) // not a constant: strict compilers accept no built-in function in one
 #endif
 
 struct Center {
   vec3 position;
   vec3 normal;
-  vec3 t1; // with t2: the coordinates in the tangent plane that neighbors are seen in
+  vec3 t1; // with t2: axes of the tangent plane for the coordinates of neighbors
   vec3 t2;
 #if MAP
   float value; // f at p
@@ -28,42 +29,42 @@ struct Neighbor {
   float mean_rho;  // mean of |d| over the surface it stands for
   vec3 normal;     // n_i, unit
   float noise;     // variance of the surface along its normals, in units of r^2
-  float facet;     // area of the triangle it lies on, or mean of those
+  float facet;     // area of the triangle it lies on, or mean area of several
 #if FACES
   vec3 face;       // unit normal of the triangle it lies on
 #endif
   vec2 direction;  // unit tangent direction e of d
   vec3 directions; // mean of e e^T over the surface it stands for
   float geodesic;  // s, the distance along the surface
-  float distance;  // rho or s: what bounds the neighborhood
+  float distance;  // rho or s, whichever bounds the neighborhood
   float area;      // the surface area this neighbor stands for
   float weight;    // w: the part of that area within the neighborhood
   float inside;    // the part within r along the surface
   float turning;   // mean of |n - n_i|^2/rho^2 over that surface
-  bool near;       // nearer than one texel: too near for anything divided by rho
+  bool near;       // nearer than one texel: too near to divide by rho
 #if MAP
   vec2 coordinates; // d in the tangents of p, in units of r
   float value;     // f_i - f(p)
-  vec2 slope;      // r grad f_i in the tangents of p, r that of f; NaN where it does not exist, 0 where no operator needs it
+  vec2 slope;      // r grad f_i in the tangents of p, r that of f; NaN if it does not exist, 0 if no operator needs it
 #endif
 };
 
 struct Neighborhood {
   float radius;
   float area;         // sum of w
-  float scale;        // of sums over samples: 2 where adaptive sampling took half of them, else 1
+  float scale;        // factor of sums over samples: 2 if adaptive sampling took half of them, else 1
   vec3 shape;         // shape operator S: s_xx, s_xy, s_yy
   vec2 eigenvalues;   // of S, the larger first; NaN where it cannot be fitted
-  vec3 direction_max; // unit tangents that belong to them
+  vec3 direction_max; // unit tangents for these eigenvalues
   vec3 direction_min;
-  float deviation;    // of the second moments from those of a flat disk, relatively
-  float tolerance;    // of that deviation
-  float variate;      // how far S may serve as control variate: 1 on a full disk, 0 where the neighborhood hits the boundary or is ambiguous
-  float mean;         // H, K, k1 >= k2 by the estimator asked for
+  float deviation;    // relative deviation of the second moments from those of a flat disk
+  float tolerance;    // tolerance of that deviation
+  float variate;      // weight of S as control variate: 1 on a full disk, 0 if the neighborhood hits the boundary or is ambiguous
+  float mean;         // H, K, k1 >= k2 by the requested estimator
   float gauss;
   float k1;
   float k2;
-  float standard_error; // of H by noise; NaN where nothing is known of it
+  float standard_error; // of H, by noise; NaN if the noise is unknown
 };
 
 // e^T S e and |S e|^2, summed over neighbors by the moments of e e^T (xx, xy, yy).
@@ -79,8 +80,8 @@ vec3 positive_direction(vec3 v) {
   return largest < 0.0f ? -v : v;
 }
 
-// The mean over directions of |S e|^2 and of kappa_S(e), as the moments of a full neighborhood have them. Where the distance along the
-// surface bounds it, its rim lies nearer by 1 - (kappa r)^2/24 where the surface bends.
+// The means over directions of |S e|^2 and of kappa_S(e) in a full neighborhood. If the distance along the surface bounds the
+// neighborhood, its rim is nearer by a factor of 1 - (kappa r)^2/24 where the surface bends.
 vec2 exact_means(Neighborhood neighborhood) {
   vec2 k = neighborhood.eigenvalues;
   vec2 exact = vec2(0.5f * dot(k, k), 0.5f * (k.x + k.y));
@@ -93,10 +94,10 @@ vec2 exact_means(Neighborhood neighborhood) {
   return exact;
 }
 
-// One over the side of a square of this area.
+// The inverse of the side of a square of this area.
 float per_side_of(float area) { return inversesqrt(max(area, 1e-20f)); }
 
-// The share of a square, at this distance, that lies within the radius.
+// The share of a square at this distance that lies within the radius.
 float rim_share(float away, float radius, float per_side) { return clamp((radius - away) * per_side + 0.5f, 0.0f, 1.0f); }
 
 // A Gaussian window of the distance rho.

@@ -8,14 +8,14 @@ struct Moments {
   vec3 xy;             // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
   float yy;            // sum of w |y|^2
   float squares;       // sum of w^2
-  float facets;        // sum of w by the area of triangles
-  float noise;         // sum of w: variance of the positions along normals, in units of r^2
-  float missing_area;  // area of samples that end on no texel, or that a device has no iterations for
-  float hits_boundary; // above 0 where the mesh's boundary lies within the ball
+  float facets;        // sum of w times the area of the triangle
+  float noise;         // sum of w times the variance of the positions along normals, in units of r^2
+  float missing_area;  // area of samples that end on no texel, or exceed a device's iterations
+  float hits_boundary; // above 0 if the mesh's boundary lies within the ball
 };
 
 #if EXTRAPOLATED
-// Moments in windows of t = (distance/r)^2: 1 - t, and its square.
+// Moments weighted by windows of t = (distance/r)^2: by 1 - t, and by its square.
 struct Windows {
   vec3 wide_xx, wide_xy;
   vec3 narrow_xx, narrow_xy;
@@ -40,7 +40,7 @@ void tangents(vec3 n, OUT(vec3) t1, OUT(vec3) t2) {
   t2 = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// value: of the map at the center.
+// value: the map's value at the center.
 void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
   sums.center.position = position;
   sums.center.normal = normal;
@@ -68,18 +68,18 @@ void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
 
 // ---- Adding
 
-// The distance along the surface by the normal curvature from p to q: the arc over the chord.
+// The distance along the surface from the normal curvature between p and q: the length of an arc over the chord.
 float geodesic_distance(Center center, Neighbor neighbor) {
   float square = neighbor.rho * neighbor.rho;
   float bend = dot(neighbor.normal - center.normal, neighbor.offset) / max(square, 1e-30f); // kappa
   return neighbor.rho * (1.0f + bend * bend * square / 24.0f);
 }
 
-// A tangent vector v at a normal m, turned with it into the tangent plane of n: no projection would keep its length.
+// Turns a tangent vector v at normal m into the tangent plane of n. Unlike a projection, this keeps its length.
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
 
 #if EXTRAPOLATED
-// xx, xy: moments, with their weight in the ball, of what lies at the distance.
+// xx, xy: moments at this distance, already multiplied by the weight in the ball.
 void add_to_windows(INOUT(Windows) windows, float distance, vec3 xx, vec3 xy) {
   float t = distance / params.radius, window = max(1.0f - t * t, 0.0f);
   windows.wide_xx += window * xx;
@@ -89,7 +89,7 @@ void add_to_windows(INOUT(Windows) windows, float distance, vec3 xx, vec3 xy) {
 }
 #endif
 
-// Adds a neighbor of which all but what follows from its place in the tangent plane is known.
+// Adds a neighbor. All its members must be set, except those that follow from its place in the tangent plane.
 void add_weighted(INOUT(Sums) sums, Neighbor neighbor, vec4 map) {
   Center center = sums.center;
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
@@ -98,7 +98,7 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor, vec4 map) {
   neighbor.directions = outer(neighbor.direction);
 #endif
   sums.moments.area += neighbor.weight;
-#if !(MAP && defined(WIDE_NEIGHBORS)) // no variate is taken of a map over wide neighbors
+#if !(MAP && defined(WIDE_NEIGHBORS)) // no control variate is used for a map over wide neighbors
   vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.facets += neighbor.weight * neighbor.facet;
@@ -122,9 +122,9 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor, vec4 map) {
   terms_add(sums.terms, center, neighbor);
 }
 
-// Adds one sample of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than
-// texels can tell. geodesic: its distance along the surface where that is known, else below 0. map: gradient and value of f there, where
-// there is a MAP.
+// Adds one sample of the surface. face: its triangle's unit normal, if FACES is set. near: nearer to the center than texels can
+// resolve. geodesic: its distance along the surface, or below 0 if unknown. map: gradient and value of f at the sample, if MAP is
+// set.
 void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float area, bool near, float geodesic, vec4 map) {
   Center center = sums.center;
   Neighbor neighbor;
@@ -132,7 +132,7 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   neighbor.rho = length(neighbor.offset);
   neighbor.mean_rho = neighbor.rho;
   neighbor.normal = normal;
-  neighbor.noise = NOT_A_NUMBER; // texels know neither
+  neighbor.noise = NOT_A_NUMBER; // unknown for texels
   neighbor.facet = NOT_A_NUMBER;
 #if FACES
   neighbor.face = face;
@@ -144,8 +144,8 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
 #else
   neighbor.distance = neighbor.rho;
 #endif
-  // A square that the rim cuts counts by the part of it that lies inside. Where none does all of this adds nothing: software devices would
-  // mask every sum that follows a return.
+  // A square cut by the rim counts by the part that lies inside. For squares outside, everything below adds zero: after a return,
+  // software devices would have to mask every sum.
   float per_side = per_side_of(area);
   neighbor.weight = area * rim_share(neighbor.distance, params.radius, per_side);
   neighbor.inside = area * rim_share(neighbor.geodesic, params.radius, per_side);
@@ -169,8 +169,9 @@ bool fit_shape_operator(vec3 xx, vec3 xy, OUT(vec3) shape) {
   return true;
 }
 
-// S by the estimator asked for, in units of 1/r. A window blurs by the mean of t^2 over that of t, 1/2 and 2/5 on a disk, to lowest order:
-// what grows with r^2 cancels. Among all sums that are free of it, this window, (1 - t)(3 - 5 t), magnifies noise least.
+// S by the requested estimator, in units of 1/r. To lowest order a window blurs by the mean of t^2 over that of t, which is 1/2
+// and 2/5 on a disk, so the error that grows with r^2 cancels. Of all sums without that error, this window, (1 - t)(3 - 5 t),
+// magnifies noise least.
 bool find_shape_operator(Sums sums, OUT(vec3) shape) {
   bool found = fit_shape_operator(sums.moments.xx, sums.moments.xy, shape);
 #if EXTRAPOLATED
@@ -182,7 +183,7 @@ bool find_shape_operator(Sums sums, OUT(vec3) shape) {
   return found;
 }
 
-// Whether the normals deviate from what the shape operator says by more than the threshold.
+// Whether the normals deviate from the shape operator's prediction by more than the threshold.
 bool is_rough(Moments m) {
   vec3 shape;
   if (!fit_shape_operator(m.xx, m.xy, shape)) return true;
@@ -196,16 +197,16 @@ void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
   vec2 gap = vec2(0.5f * (neighborhood.shape.x - neighborhood.shape.z), neighborhood.shape.y);
   float half_gap = length(gap);
   neighborhood.eigenvalues = vec2(mean + half_gap, mean - half_gap);
-  // Half of the angle of gap, from whichever of its two forms does not cancel.
+  // Half the angle of gap, by the one of two formulas that does not cancel.
   vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
   e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
   neighborhood.direction_max = center.t1 * e.x + center.t2 * e.y;
   neighborhood.direction_min = center.t2 * e.x - center.t1 * e.y;
 }
 
-// The standard error of H that independent noise of the vertices makes. H is, by Gauss's theorem, a sum over heights z: the ball counts
-// 2 z, its rim -r z; windows that are 0 there have no rim. A vertex stands for two triangles; normals blur the ball and its rim by the
-// vertices that they come from.
+// The standard error of H caused by independent noise of the vertices. By Gauss's theorem H is a sum over heights z: 2 z over the
+// ball, -r z over its rim; windows that are 0 at the rim have no rim term. A vertex stands for two triangles. Normals blur the
+// ball and its rim, because each normal comes from several vertices.
 float standard_error_of(Moments m) {
   float r = params.radius, vertex = 2.0f * m.facets / m.area;
   float blurred = r * r + float(BLUR_OF_NORMALS) * vertex;
@@ -218,7 +219,7 @@ float standard_error_of(Moments m) {
   return sqrt(16.0f / PI * variance * growth / blurred) / blurred;
 }
 
-// The tolerance on the second moments of a full disk. Few samples leave noise: the rim cuts 2 sqrt(pi n) of n samples.
+// The tolerance of a full disk's second moments. Few samples are noisy: the rim cuts 2 sqrt(pi n) of n samples.
 float disk_tolerance(Moments m) {
   float share = m.squares / max(m.area * m.area, 1e-30f); // 1 / n
   return max(float(DISK_DEVIATION), 6.0f * sqrt(share * sqrt(share)) - 0.09f);
@@ -270,7 +271,7 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
     neighborhood.shape /= params.radius;
     find_directions(sums.center, neighborhood);
     neighborhood.standard_error = standard_error_of(m);
-    // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
+    // The control variate's exact mean holds for a full flat disk, whose second moments are pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
     neighborhood.deviation = max(max(off.x, off.z), off.y);

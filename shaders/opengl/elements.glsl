@@ -1,4 +1,4 @@
-// A list, of whose elements [first, last) each invocation of a dispatch has one.
+// A dispatch over elements [first, last) of a list, one per invocation.
 #include "device.glsl"
 #include "shared.h"
 layout(local_size_x = GROUP_SIZE) in;

@@ -1,4 +1,4 @@
-// The concave part of H r, for masks: 0 on a plane and on what bulges, 1 where the surface bends by r or more tightly.
+// The concave part of H r, for masks: 0 on flat and convex surface, 1 where the surface bends by r or more tightly.
 float cavity(Terms terms, Center center, Neighborhood neighborhood) {
   float bend = -neighborhood.mean * neighborhood.radius;
   return isnan(bend) ? bend : clamp(bend, 0.0f, 1.0f);

@@ -1,5 +1,5 @@
-// Paper eq. (5): the mean of |n - n_i|^2/rho^2. With the shape operator as control variate only what |S e|^2 does not explain is
-// averaged, and its exact mean (k1^2 + k2^2)/2 is added.
+// Paper eq. (5): the mean of |n - n_i|^2/rho^2. With the shape operator as control variate, only the part that |S e|^2 does not
+// explain is averaged, and the exact mean (k1^2 + k2^2)/2 of |S e|^2 is added.
 float local_bending_energy(Terms terms, Center center, Neighborhood neighborhood) {
   float weight = terms.bending.moments.x + terms.bending.moments.z;
   if (!(weight > 0.0f)) return NOT_A_NUMBER;

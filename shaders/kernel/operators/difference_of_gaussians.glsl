@@ -1,5 +1,5 @@
-// The mean of f in a Gaussian window of sigma/1.6 less that in one of sigma. On a full disk the slope of f adds nothing to either: what it
-// adds to the sums over points is taken out. Over triangles there is next to nothing to take out.
+// The mean of f in a Gaussian window of sigma/1.6 less that in a window of sigma. On a full disk the slope of f contributes
+// nothing to either mean, so its contribution to sums over points is removed. Over triangles there is next to nothing to remove.
 float difference_of_gaussians(Terms terms, Center center, Neighborhood neighborhood) {
   vec4 narrow = terms.gaussians.narrow, wide = terms.gaussians.wide;
   if (!(narrow.x > 0.0f) || !(wide.x > 0.0f)) return NOT_A_NUMBER;

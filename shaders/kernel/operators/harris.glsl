@@ -1,5 +1,5 @@
-// det A - k tr^2 A (paper eq. 15, 16), A the mean of (r grad f)(r grad f)^T in a Gaussian window, each
-// turned into the tangent plane of the center.
+// det A - k tr^2 A (paper eq. 15, 16). A is the mean of (r grad f)(r grad f)^T in a Gaussian window, with each gradient turned
+// into the tangent plane of the center.
 float harris(Terms terms, Center center, Neighborhood neighborhood) {
   if (!(terms.tensor.weight > 0.0f) || isnan(center.value)) return NOT_A_NUMBER;
   vec3 a = terms.tensor.tensor / terms.tensor.weight;

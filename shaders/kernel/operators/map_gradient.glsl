@@ -1,4 +1,4 @@
-// grad f as a vector in object space, of the least-squares quadratic: what operators on gradients read as a map.
+// grad f of the least-squares quadratic, as a vector in object space; operators on gradients read it as a map.
 vec3 map_gradient(Terms terms, Center center, Neighborhood neighborhood) {
   Jet jet = jet_finish(terms.jet);
   if (!jet.exists) return vec3(NOT_A_NUMBER);

@@ -1,4 +1,4 @@
-// Terms of the sphere volume (paper eq. 6, 7, 8), and the mean curvature that belongs to it.
+// Terms of the sphere volume (paper eq. 6, 7, 8), and the mean curvature that follows from it.
 struct BallTerms {
   float rho;    // sum of w rho
   float height; // sum of w n.d
@@ -14,7 +14,8 @@ void ball_add(INOUT(BallTerms) terms, Center center, Neighbor neighbor) {
   terms.height += neighbor.weight * dot(center.normal, neighbor.offset);
   terms.moments += neighbor.weight * neighbor.rho * neighbor.rho * outer(neighbor.direction);
 }
-// H of eq. (8). With the shape operator as control variate only what -rho kappa_S(e)/2 does not explain of a_i is averaged.
+// H of eq. (8). With the shape operator as control variate, only the part of a_i that -rho kappa_S(e)/2 does not explain is
+// averaged.
 float ball_mean_curvature(BallTerms terms, Neighborhood neighborhood) {
   if (!(terms.rho > 0.0f)) return NOT_A_NUMBER;
   float mean = terms.height / terms.rho;
@@ -27,6 +28,6 @@ float ball_mean_curvature(BallTerms terms, Neighborhood neighborhood) {
 }
 // V_r/(4 pi r^3/3), the share of the ball inside the surface.
 float ball_share(BallTerms terms, Neighborhood neighborhood) {
-  if (!(terms.rho > 0.0f)) return 0.0f; // of nothing; what clamp makes of NaN is up to the driver
+  if (!(terms.rho > 0.0f)) return 0.0f; // no samples; drivers differ in clamp(NaN)
   return clamp(0.5f - 3.0f / 16.0f * ball_mean_curvature(terms, neighborhood) * neighborhood.radius, 0.0f, 1.0f);
 }

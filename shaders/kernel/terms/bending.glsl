@@ -1,4 +1,4 @@
-// Terms of the bending energy (paper eq. 5): how far normals turn, and in which directions neighbors lie.
+// Terms of the bending energy (paper eq. 5): how far normals turn, and the directions of neighbors.
 struct BendingTerms {
   float energy; // sum of w |n - n_i|^2/rho^2
   vec3 moments; // sum of w e e^T

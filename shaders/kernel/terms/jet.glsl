@@ -1,6 +1,6 @@
-// Terms of the least-squares quadratic of a map over the neighborhood, f ~ c + g.x + x^T Q x/2 with x the tangent coordinates in units of
-// r: at p, where the Christoffel symbols of these coordinates vanish, g is the gradient and the trace of Q the Laplace-Beltrami operator.
-// What a quadratic explains leaves no noise, wherever the samples lie.
+// Terms of the least-squares quadratic of a map over the neighborhood, f ~ c + g.x + x^T Q x/2, with x the tangent coordinates in
+// units of r. At p the Christoffel symbols of these coordinates vanish, so g is the gradient and the trace of Q the
+// Laplace-Beltrami operator. The part of f that a quadratic explains causes no noise, wherever the samples lie.
 struct JetTerms {
   vec3 first;   // sum of w (1, x, y)
   vec3 second;  // of w (xx, xy, yy)

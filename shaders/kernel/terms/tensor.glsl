@@ -1,4 +1,4 @@
-// Terms of the structure tensor of a map f in a Gaussian window, gradients turned into the tangent plane of the center.
+// Terms of the structure tensor of a map f in a Gaussian window, with gradients turned into the tangent plane of the center.
 struct TensorTerms {
   float weight; // sum of w G
   vec3 tensor;  // of w G (r grad f)(r grad f)^T

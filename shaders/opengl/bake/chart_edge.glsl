@@ -1,4 +1,4 @@
-// A chart-edge line. It comes from a texture: stages that draw may have no storage buffers at all.
+// A chart-edge line, read from a texture because the stages that draw may not have storage buffers.
 #include "shared.h"
 layout(binding = UNIT_EDGES) uniform isamplerBuffer edges;
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;

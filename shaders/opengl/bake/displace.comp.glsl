@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one baked texel → the same texel of the displaced surface: p + n h, its normal and its area element.
+// One invocation per baked texel → the same texel of the displaced surface: p + n h, its normal and its area element.
 #include "variant.glsl"
 #include "opengl/bake/owner.glsl"
 #include "kernel/displace.glsl"
@@ -19,10 +19,10 @@ vec2 input_uv_of(int vertex) { return texelFetch(input_uvs, list_texel(vertex), 
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_texel(2 * corner), 0); }
 vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_texel(2 * corner + 1), 0).xyz; }
 
-// Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
+// Wraps pixel numbers, which are whole, into the image. Software devices divide floats many at a time, but integers one by one.
 ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
 
-// Bilinear between the centers of pixels.
+// The color, bilinear between pixel centers.
 vec3 color_at(vec2 uv) {
   vec2 size = vec2(textureSize(colors, 0));
   vec2 position = (uv - floor(uv)) * size - 0.5;
@@ -35,7 +35,8 @@ vec3 color_at(vec2 uv) {
 
 float height_at(int x, int y) { return texelFetch(heights, ivec2(x, y), 0).x; }
 
-// The height and its gradient by the caller's (u, v), in buffer units: bilinear lookups here and a pixel away on all sides, which share pixels.
+// The height and its gradient by the caller's (u, v), in buffer units: bilinear lookups here and one pixel away on each side,
+// which share pixels.
 vec3 look_up_height(vec2 uv) {
   vec2 size = vec2(textureSize(heights, 0));
   vec2 position = (uv - floor(uv)) * size - 0.5;

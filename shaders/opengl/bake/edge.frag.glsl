@@ -1,6 +1,6 @@
 #version 450 core
-// Chart edge → texels whose center lies off the chart: each stands for the nearest point of the nearest edge. Triangle texels have depth 0
-// and win.
+// Chart edge → texels whose centers lie off the chart: each stands for the nearest point of the nearest edge. Texels of triangles
+// have depth 0 and win.
 #include "opengl/bake/chart_edge.glsl"
 
 flat in int edge;

@@ -1,11 +1,11 @@
 #version 450 core
-// Chart edges → quads that reach every texel an edge passes through, so that no chart falls apart (paper 3.3). A line of the
-// rasterizer would skip texels that it only touches.
+// Chart edges → quads that cover every texel an edge passes through, so that no chart falls apart (paper 3.3). A rasterized line
+// would skip texels that the edge only touches.
 #include "opengl/bake/chart_edge.glsl"
 
 flat out int edge;
 
-// Half a texel's diagonal, in texels: the center of a touched texel is at most that far from the edge.
+// Half a texel's diagonal, in texels: the largest distance between a touched texel's center and the edge.
 const float HALF_DIAGONAL = 0.7072;
 
 void main() {

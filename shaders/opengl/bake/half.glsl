@@ -1,15 +1,15 @@
-// Floats → the nearest 16-bit ones, and what that rounding took from numbers between -1 and 1; unit vectors → the square that a flattened
-// octahedron makes, and back (Meyer et al. 2010). C++ compiles this text too (engine/opengl/half.h).
+// Floats → the nearest 16-bit floats, and the rounding errors of numbers between -1 and 1; unit vectors → the square of a
+// flattened octahedron, and back (Meyer et al. 2010). C++ compiles this text, too (engine/opengl/half.h).
 
-// If two are equally near, it is the even one. Drivers round what they pack or store as they like; whole numbers leave no choice.
+// Ties go to the even number. Drivers may round freely when they pack or store floats; integers leave them no choice.
 float nearest_half(float value) {
   uint bits = floatBitsToUint(value), sign_bit = bits & 0x80000000u, size = bits & 0x7fffffffu;
   if (size >= 0x7f800000u) return value; // infinite, or not a number
-  if (size >= 0x38800000u) {             // 2^-14: from there on 10 of the 23 bits after the point stay
+  if (size >= 0x38800000u) {             // 2^-14: above it, 10 of the 23 fraction bits stay
     uint rounded = (size + 0xfffu + ((size >> 13) & 1u)) & 0xffffe000u;
-    return uintBitsToFloat(sign_bit | (rounded < 0x47800000u ? rounded : 0x7f800000u)); // 2^16 is beyond the largest
+    return uintBitsToFloat(sign_bit | (rounded < 0x47800000u ? rounded : 0x7f800000u)); // 2^16 exceeds the largest half
   }
-  uint exponent = size >> 23, digits = (size & 0x7fffffu) | 0x800000u; // below, halves are whole multiples of 2^-24
+  uint exponent = size >> 23, digits = (size & 0x7fffffu) | 0x800000u; // below it, halves are multiples of 2^-24
   uint dropped = exponent > 101u ? 126u - exponent : 25u;
   uint steps = (digits + (1u << (dropped - 1u)) - 1u + ((digits >> dropped) & 1u)) >> dropped;
   return uintBitsToFloat(sign_bit | floatBitsToUint(float(steps) / 16777216.0f));
@@ -31,8 +31,8 @@ vec3 from_octahedron(vec2 octahedral) {
   return normalize(vec3(z < 0.0f ? fold(octahedral) : octahedral, z));
 }
 
-// Rounding takes 2^-12 at most. 12 bits hold three such rests in 16 steps each, or two in 64: a whole number that a 16-bit float has
-// exactly.
+// Rounding errors are at most 2^-12. 12 bits hold three such errors in 16 steps each, or two in 64 steps: an integer that a
+// 16-bit float stores exactly.
 #define LARGEST_REST (1.0f / 4096.0f)
 #define LEAST_CODE -2048
 

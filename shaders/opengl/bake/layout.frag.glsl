@@ -1,5 +1,5 @@
 #version 450 core
-// Triangle in (u, v) → the texels whose centers it owns: its chart and number, and where in it each center lies.
+// Triangle in (u, v) → the texels whose centers it owns: its chart and number, and the center's place in the triangle.
 #include "opengl/bake/metric.glsl"
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 
@@ -7,11 +7,11 @@ flat in int triangle;
 layout(location = 0) out ivec2 ids;
 layout(location = 1) out vec2 weights;
 
-// The parameter of the point of a segment from a that is nearest to the origin.
+// The parameter of the point nearest to the origin on a segment that starts at a.
 float nearest_on(vec2 a, vec2 way) { return clamp(-dot(a, way) / max(dot(way, way), 1e-30), 0.0, 1.0); }
 
-// Weights of corners 1 and 2 at the triangle's point nearest to the origin; corners relative to that. Rasterizers round corners to 1/256
-// of a texel: an owner may miss the center by so much, and a sliver by many times its own width.
+// Weights of corners 1 and 2 at the triangle's point nearest to the origin, relative to which the corners are given. Rasterizers
+// round corners to 1/256 of a texel: an owner may miss the center by that much, and a sliver by many times its own width.
 vec2 nearest_weights(vec2 c0, vec2 c1, vec2 c2) {
   float area = cross2(c1 - c0, c2 - c0);
   vec3 inside = vec3(cross2(c1, c2), cross2(c2, c0), cross2(c0, c1)) / (abs(area) > 0.0 ? area : 1.0);

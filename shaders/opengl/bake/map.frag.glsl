@@ -1,5 +1,5 @@
 #version 450 core
-// A texel of a layout → the value of a map there: interpolated.
+// A texel of a layout → the interpolated value of a map.
 #include "opengl/bake/owner.glsl"
 layout(binding = UNIT_VALUES) uniform samplerBuffer values;
 layout(location = 0) out vec4 map;

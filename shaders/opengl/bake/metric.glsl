@@ -1,4 +1,4 @@
-// Triangles in space and in (u, v).
+// The metric of triangles, from their corners in space and in (u, v).
 #include "shared.h"
 layout(binding = UNIT_CORNER_UVS) uniform samplerBuffer corner_uvs;
 layout(binding = UNIT_CORNERS) uniform isamplerBuffer corners;

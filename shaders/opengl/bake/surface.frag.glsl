@@ -1,5 +1,5 @@
 #version 450 core
-// A texel of a layout → the surface point that it holds: interpolated, as are normals (paper 3.3).
+// A texel of a layout → its surface point, with interpolated position and normal (paper 3.3).
 #include "variant.glsl"
 #include "opengl/bake/owner.glsl"
 #include "opengl/bake/texel.glsl"

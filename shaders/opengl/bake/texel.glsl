@@ -5,7 +5,8 @@ layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
 layout(location = 0) out vec4 position_area;
 layout(location = 1) out vec4 normal;
 
-// In 16 bits the normal is a position on the octahedron; the numbers left over hold what rounding took from it and from the position.
+// In 16 bits the normal is stored as a position on the octahedron; the unused numbers store its rounding error and the
+// position's.
 void store_texel(vec3 position, vec3 direction, float area_element) {
   float area = area_element / area_unit;
 #ifdef HALF_FLOATS
@@ -19,7 +20,7 @@ void store_texel(vec3 position, vec3 direction, float area_element) {
 #endif
 }
 
-// No surface.
+// Marks a texel without surface.
 void clear_texel() {
   position_area = vec4(0.0);
   normal = vec4(0.0);

@@ -1,6 +1,7 @@
 #version 450 core
-// One invocation, one cell → where it and its leaves lie, which way they face, and the area element by which a leaf is sampled: its largest,
-// four times that where a border cuts it. A square there lies on the chart or not by its one sample, so squares are half as wide.
+// One invocation per cell → spheres and normal cones of the cell and its leaves, and the area element by which a leaf is sampled:
+// its largest, or four times that if a border cuts the leaf. There one sample decides whether a square lies on the chart, so
+// squares are half as wide.
 #include "variant.glsl"
 #include "opengl/evaluate/buffers.glsl"
 #include "opengl/elements.glsl"
@@ -13,8 +14,8 @@ vec4 sphere_around(vec3 low, vec3 high) {
   return low.x <= high.x ? vec4(0.5 * (low + high), 0.5 * length(high - low)) : vec4(0.0, 0.0, 0.0, -1.0);
 }
 
-// The sphere of a leaf as 8 bits each of its offset from the cell's middle and of its radius, in units of the cell's: the rounded sphere
-// encloses it.
+// Encodes the sphere of a leaf in 8 bits each for its offset from the cell's middle and its radius, in units of the cell's
+// radius. The rounded sphere encloses the exact one.
 int code_of(vec4 leaf, vec4 cell) {
   if (leaf.w < 0.0) return -1;
   float unit = max(cell.w, 1e-30);

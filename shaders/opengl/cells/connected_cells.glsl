@@ -1,14 +1,14 @@
-// From a center's start cells over links in its ball → which of the cells taken are connected to it there.
+// Follows links within the center's ball from its start cells → the taken cells that are connected to the center there.
 //
-// Cells are numbered as in the list of those near the center.
+// Cells are numbered by their place in the list of cells near the center.
 #include "opengl/cells/near_list.glsl"
 layout(binding = UNIT_NEAR_NEIGHBORS) uniform isamplerBuffer near_neighbors;
 layout(binding = UNIT_LINK_POINTS) uniform samplerBuffer link_points;
 layout(binding = UNIT_LINK_SPHERES) uniform samplerBuffer link_spheres;
 
-// A bit for each cell: it has been reached; others do not know yet.
+// One bit per cell: it was reached; its neighbors have not been visited yet.
 uint reached[NEAR_WORDS], pending[NEAR_WORDS];
-int missing; // cells that are taken and not reached
+int missing; // taken cells that are not reached
 
 bool is_taken(int k) { return (taken[k >> 5] >> (k & 31) & 1u) != 0u; }
 bool leads_on(int k) { return (leading[k >> 5] >> (k & 31) & 1u) != 0u; }
@@ -22,7 +22,7 @@ void reach(int k) {
   if (is_taken(k)) --missing;
 }
 
-// Whether an edge on the mesh's boundary that a taken cell touches meets the ball.
+// Whether a boundary edge of the mesh that a taken cell touches meets the ball.
 bool boundary_meets(vec3 center, ivec2 near_cells) {
   bool boundary = false;
   for (int word = 0; word < NEAR_WORDS; ++word)
@@ -31,9 +31,9 @@ bool boundary_meets(vec3 center, ivec2 near_cells) {
   return boundary;
 }
 
-// Leaves out what is not connected. A neighbor that lies outside the ball adds nothing, and leads nowhere within, unless it has no texels.
-// One loop does all: nested ones would run, for the invocations that a device runs side by side, as often as the longest of each turn.
-// Each turn looks at one point of a link, or at the next neighbor of a cell, or for the next cell.
+// Drops cells that are not connected. A neighbor outside the ball adds nothing and leads to nothing inside, unless it has no
+// texels. There is one loop instead of nested ones, which would run as often as the longest among neighboring invocations in
+// each turn. Each turn tests one point of a link, moves to a cell's next neighbor, or finds the next cell.
 void keep_connected(vec3 center, ivec2 starts, ivec2 near_cells) {
   missing = 0;
   for (int i = 0; i < NEAR_WORDS; ++i) {
@@ -44,7 +44,7 @@ void keep_connected(vec3 center, ivec2 starts, ivec2 near_cells) {
     int k = place_of(texelFetch(start_cells, i).x, near_cells);
     if (k >= 0) reach(k);
   }
-  bool within = false; // all of the cell lies in the ball, and so do its links
+  bool within = false; // the whole cell and its links lie in the ball
   ivec2 neighbors = ivec2(0), points = ivec2(0);
   int word = 0, idle = 0, beyond = 0;
   for (int turn = 0; turn < MAX_ITERATIONS && missing > 0; ++turn) {

@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one list of near cells → its cells among those of all lists, where their neighbors go, and their mean normal.
+// One invocation per list of near cells → its cells in the common array, the places of their neighbors, and their mean normal.
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
 layout(std430, binding = BINDING_FOUND_CELLS) readonly restrict buffer FoundCells { int found_cells[]; };
@@ -12,7 +12,7 @@ layout(binding = UNIT_CELL_TRAITS) uniform isamplerBuffer cell_traits;
 
 void main() {
   int list = own_element();
-  if (list >= last || !cells_fit()) return; // all neighbors are counted, whether they have room or not
+  if (list >= last || !cells_fit()) return; // all neighbors are counted, with or without room
   ivec4 range = near_ranges[list];
   int neighbors = 0;
   vec3 sum = vec3(0.0);

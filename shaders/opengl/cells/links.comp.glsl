@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one link between cells → a sphere around the points where the surface goes over.
+// One invocation per link between cells → a sphere around the points where the surface crosses from one to the other.
 #include "opengl/elements.glsl"
 layout(std430, binding = BINDING_POINTS) writeonly restrict buffer LinkSpheres { vec4 spheres[]; };
 layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;

@@ -1,7 +1,7 @@
 #version 450 core
-// One invocation, one list of centers that lie together → the cells near any of them, in their order.
+// One invocation per list of centers that lie together → the cells near any of them, in the order of cells.
 //
-// Some of them may not be connected to the centers at all: near.comp.glsl tells where that may be.
+// Some of these cells may not be connected to the centers; near.comp.glsl detects when that is possible.
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
@@ -38,7 +38,7 @@ void main() {
     node = meets ? node + 1 : from.w;
   }
   int first = atomicAdd(counts.cells, count);
-  atomicMax(counts.longest, node < node_count ? MAX_ITERATIONS : count); // longer than a device may look through
+  atomicMax(counts.longest, node < node_count ? MAX_ITERATIONS : count); // more cells than a device may visit
   near_ranges[list] = ivec4(first, first + count, 0, 0);
   near_balls[list] = vec4(middle, reach);
 }

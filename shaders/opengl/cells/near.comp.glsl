@@ -1,6 +1,6 @@
 #version 450 core
-// One invocation, one of the cells near the centers of a list → all that those centers look at, side by side: where it lies, how they see it,
-// its leaves, and its neighbors among the cells of the same list.
+// One invocation per cell near the centers of a list → everything that those centers read of it, stored side by side: its sphere,
+// whether it faces them, its leaves, and its neighbors among the cells of the same list.
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer CellList { CellData cells[]; };
@@ -15,15 +15,15 @@ layout(binding = UNIT_NEAR_NORMALS) uniform samplerBuffer near_normals;
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
 layout(binding = UNIT_CELL_TRAITS) uniform isamplerBuffer cell_traits;
 
-const float least_cosine = 0.25; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
+const float least_cosine = 0.25; // within 75 degrees hardly any valley is so deep that it leaves the ball of both its sides
 
 vec4 sphere_of(int cell) { return intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell)); }
 
-// How far a cell lies from a point: between its middle and what of it is nearest, which misleads least where cells differ in size.
+// The distance from a point to halfway between a cell's middle and its nearest part: this misleads least if cells differ in size.
 float away(vec4 sphere, vec3 point) { return length(sphere.xyz - point) - 0.5 * sphere.w; }
 
-// Whether some neighbor of a cell lies closer to the middle of a ball, and is on the ball's list with it. From neighbor to neighbor all cells
-// lead to one that has none: where a list has but one of these, all of it is connected.
+// Whether some neighbor of a cell is closer to the middle of a ball and on the same list. Following such neighbors leads every
+// cell to one that has none: if a list has only one of these, the whole list is connected.
 bool has_closer_neighbor(vec4 sphere, ivec2 neighbors, vec4 ball) {
   float own = away(sphere, ball.xyz);
   bool closer = false;
@@ -39,13 +39,13 @@ void main() {
   int entry = own_element();
   if (entry >= min(last, counts.cells) || !lists_fit()) return;
   int cell = texelFetch(near_list, entry).x;
-  ivec2 list = texelFetch(near_lists, entry).xy; // and where its neighbors go there
+  ivec2 list = texelFetch(near_lists, entry).xy; // and where its neighbors are stored
   vec4 sphere = sphere_of(cell);
   vec4 cone = intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell + 1));
   ivec4 measured = texelFetch(cell_traits, CELL_TRAITS * cell + 2); // area, radius, CELL_ bits
   vec3 normal = texelFetch(near_normals, list.x).xyz;
   float cosine = dot(normal, cone.xyz), own = clamp(cone.w, -1.0, 1.0);
-  // The cosine of both angles together is cosine * own minus the root of `square`; AMD's LLVM crashes over a root that is compared.
+  // The cosine of the sum of both angles is cosine * own - sqrt(square). The root is not compared: AMD's LLVM crashes on that.
   float rest = max(cosine * own - least_cosine, 0.0), square = (1.0 - cosine * cosine) * (1.0 - own * own);
   bool faces = min(own, cosine) > least_cosine && rest * rest > square;
   ivec2 neighbors = texelFetch(cell_lists, cell).xy;

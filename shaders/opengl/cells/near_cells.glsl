@@ -1,4 +1,4 @@
-// The cells near a center: which lie in its ball, and whether these are a single sheet of surface.
+// The cells near a center: which of them lie in its ball, and whether these form a single sheet of surface.
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
 layout(binding = UNIT_NEAR_SPHERES) uniform samplerBuffer near_spheres;
 layout(binding = UNIT_NEAR_TRAITS) uniform isamplerBuffer near_traits;
@@ -7,10 +7,10 @@ layout(binding = UNIT_STARTS) uniform isamplerBuffer start_ranges;
 layout(binding = UNIT_START_CELLS) uniform isamplerBuffer start_cells;
 layout(location = LOCATION_RANGES) uniform int ranges_of_center; // at most
 
-// As a center sees it.
+// A near cell relative to the center.
 struct NearSphere {
   vec4 sphere;
-  float square; // of the distance of its middle
+  float square; // squared distance of its middle
 };
 
 NearSphere near_sphere(int entry, vec3 center) {
@@ -31,8 +31,8 @@ bool within_ball(NearSphere near) {
 
 struct NearTraits {
   int number, bits; // CELL_
-  float projected;  // its area
-  float unit;       // of the codes of its leaves
+  float projected;  // area of its projection
+  float unit;       // of its leaves' codes
 };
 
 NearTraits near_traits_of(int entry) {
@@ -45,7 +45,7 @@ bool in_ball(vec3 point, vec3 center) {
   return dot(gap, gap) < params.radius * params.radius;
 }
 
-// Whether an edge on the mesh's boundary meets the ball.
+// Whether a boundary edge of the mesh meets the ball.
 bool edge_in_ball(int edge, vec3 center) {
   vec3 from = texelFetch(boundary_ends, 2 * edge).xyz, way = texelFetch(boundary_ends, 2 * edge + 1).xyz - from;
   float square = dot(way, way);
@@ -60,21 +60,21 @@ bool meets_boundary(int cell, vec3 center) {
   return meets;
 }
 
-// The part of a cell's area that counts: between r^2 - 2 r s and r^2 + 2 r s, so that an even disk has its own area.
+// The share of a cell's area that counts: it falls from 1 at r^2 - 2 r s to 0 at r^2 + 2 r s, so that a flat disk keeps its area.
 float part_in_ball(NearSphere near) {
   float radius = params.radius, across = near.sphere.w;
   return clamp((radius * (radius + 2.0 * across) - near.square) / max(4.0 * radius * across, 1e-30), 0.0, 1.0);
 }
 
-// A bit for each cell near the center, in the order of their list: it lies in the ball, and belongs to the neighborhood; for those that go
-// over links, an edge on the mesh's boundary runs through it; it has no texels, but may lead on.
+// One bit per cell near the center, in the order of the list: the cell lies in the ball and belongs to the neighborhood. For
+// centers that follow links: a boundary edge of the mesh runs through the cell; the cell has no texels, but may lead on.
 uint taken[NEAR_WORDS];
 #if OVER_LINKS
 uint at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
 #endif
 
-// Takes what lies in the ball. all_connected: the cells near the center are. Returns whether all that lies in the ball faces the center's way and covers its tangent plane once: then it is
-// connected. That is known not to be so where links are gone over.
+// Takes the cells in the ball. all_connected: all cells near the center are connected. Returns whether the cells in the ball all
+// face the same way as the center and cover its tangent plane once: then they are connected. OVER_LINKS: known to be false.
 bool take_near_cells(vec3 center, ivec2 near_cells, bool all_connected) {
   float flat_area = 0.0;
   bool single = OVER_LINKS == 0 && all_connected && near_cells.x < near_cells.y;

@@ -1,7 +1,7 @@
-// The cells near those in which centers start, in sorted lists.
+// The cells near the start cells of centers, in sorted lists.
 layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
 
-// The place of a cell in one list, or -1.
+// The index of a cell in one list, or -1.
 int place_of(int cell, ivec2 range) {
   int low = range.x, high = range.y;
   while (low < high) {

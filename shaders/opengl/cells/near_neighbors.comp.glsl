@@ -1,5 +1,5 @@
 #version 450 core
-// One work group, one list of near cells → the neighbors of each of its cells among them, for the centers that go over links there.
+// One work group per list of near cells → the neighbors of each of its cells within the list, for centers that follow links.
 #include "device.glsl"
 #include "shared.h"
 #include "opengl/cells/near_list.glsl"

@@ -1,9 +1,9 @@
 #version 450 core
-// One invocation, one center → its neighborhood: the samples of the surface connected to it within the ball, as ranges of lists.
+// One invocation per center → its neighborhood: samples of the surface connected to it within the ball, as ranges of lists.
 //
-// The cells near its start cell were found for all centers there. If those in the center's own ball form a single sheet, which faces its
-// way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's boundary, another dispatch (OVER_LINKS) goes from
-// cell to cell over links that lie in the center's own ball: there, centers that do so are side by side.
+// The cells near its start cell were found for all centers there. If those in the center's own ball form a single sheet that
+// faces the center's way and does not fold back, they are its neighborhood. Otherwise, and at the mesh's boundary, another
+// dispatch (OVER_LINKS) follows links within the center's own ball from cell to cell; it groups the centers that need this.
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
@@ -29,12 +29,12 @@ layout(binding = UNIT_TEXELLESS_RANGES) uniform isamplerBuffer texelless_ranges;
 
 // The leaves of a cell that a center takes.
 struct Taken {
-  int leaves, fine; // a bit each
+  int leaves, fine; // one bit per leaf
 };
 const int all_leaves = (1 << CELL_LEAVES) - 1;
-const float near_share = 0.25; // of the radius: finer detail than it counts through what lies near, so leaves there have more samples
+const float near_share = 0.25; // of the radius: nearer leaves have more samples, because their finer detail counts
 
-// The list that is written: its next range, and the last one, which those that follow on are joined to.
+// The list being written: the index of its next range, and the open range, to which adjacent ranges are appended.
 struct List {
   int next;
   ivec2 open;
@@ -50,7 +50,7 @@ void append(inout List list, ivec2 range) {
   list.open = range;
 }
 
-// Ends a list. Returns where the next one begins.
+// Closes a list. Returns where the next one begins.
 int end_of(inout List list) {
   if (list.open.x < list.open.y) ranges[list.next++] = list.open;
   list.open = ivec2(-1);
@@ -79,18 +79,18 @@ Taken take(NearTraits cell, int entry, vec3 center) {
     if (code != -1 && near && (cell.bits & CELL_FINE_LEAF << i) != 0 && square < inner * inner) some.fine |= 1 << i;
   }
   if (!joined) return some;
-  return some.fine != 0 ? Taken(some.leaves, all_leaves) : all; // its samples are those of all
+  return some.fine != 0 ? Taken(some.leaves, all_leaves) : all; // its samples include those of all leaves
 }
 
-// Where the leaves of a cell have their samples, or those of one half: four that begin, and four that end there.
+// Ranges of the samples of a cell's leaves, or of one half of them: the begins and ends of four lists.
 struct LeafLists {
   ivec4 begin, end;
-  int size; // of both halves of all leaves
+  int size; // samples in both halves of all leaves
 };
 
 ivec4 sizes_of(ivec4 list) { return ivec4(list.y & 65535, list.y >> 16 & 65535, list.z & 65535, list.z >> 16 & 65535); }
 
-// What is listed in one turn.
+// The squares whose samples are listed in one turn.
 #define BLACK_SQUARES 0
 #define WHITE_SQUARES 1
 #define ALL_SQUARES 2
@@ -116,7 +116,7 @@ void append_samples(inout List list, Taken taken, LeafLists coarse, LeafLists fi
   }
 }
 
-// The next taken cell; word: -1 at first, and NEAR_WORDS where there is none. left: of this word.
+// Finds the next taken cell. word: -1 at first, NEAR_WORDS at the end. left: the remaining bits of this word.
 int next_taken(inout int word, inout uint left) {
   while (left == 0u && ++word < NEAR_WORDS) left = taken[word];
   int k = 32 * word + findLSB(left);
@@ -124,14 +124,15 @@ int next_taken(inout int word, inout uint left) {
   return k;
 }
 
-// That one center takes: what is computed again looks each sample's triangle up, in rounds that count as well.
+// The most samples of one center. A center that is computed again looks up each sample's triangle, and these rounds count as
+// well.
 #if EXACT
 #define MOST_SAMPLES (MAX_ITERATIONS / 4)
 #else
 #define MOST_SAMPLES MAX_ITERATIONS
 #endif
 
-// Appends samples on texels. Leaves out what exceeds the iterations of a device, and returns its area.
+// Appends samples on texels. Leaves out samples beyond a device's iterations, and returns their area.
 float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
   float missing_area = 0.0;
   int total = 0, word = -1;
@@ -161,7 +162,7 @@ float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
   return missing_area;
 }
 
-// Appends those of triangles that no texel carries.
+// Appends the samples of triangles without texels.
 void list_texelless_samples(inout List list, ivec2 near_cells) {
 #if TEXELLESS
   int word = -1;
@@ -175,7 +176,7 @@ void list_texelless_samples(inout List list, ivec2 near_cells) {
 #endif
 }
 
-// Puts a center on the list of those that go over links, and the list of what is near it on that of the lists that they need.
+// Appends a center to the list of centers that follow links, and its list of near cells to the lists that these centers need.
 void ask_for_links(int slot, int list) {
   int i = atomicAdd(walks[WALKS_CENTERS], 1);
   walks[walks_center(i)] = slot;

@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one cell → the samples of its leaves, in the lists that strides.comp.glsl made room for.
+// One invocation per cell → the samples of its leaves, in the lists that strides.comp.glsl made room for.
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
 #include "opengl/cells/samples.glsl"

@@ -1,22 +1,22 @@
-// The samples of a cell's leaves: one texel of every square of 1, 2, 4… texels, or of every other such square, as on a chessboard.
+// The samples of a cell's leaves: one texel of every square of 1, 2, 4… texels, or of every second square, as on a chessboard.
 //
-// Which texels those are depends on the surface and the seed, not on the center: all wedges of a point get the same samples, and the error of
-// a field varies smoothly.
+// The choice of texels depends on the surface and the seed, not on the center: all wedges of a point get the same samples, and
+// the error of a field varies smoothly.
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_BOXES) uniform isampler2D boxes;
 
-// Numbers of the leaves, 8 bits each.
+// Decodes the number of a leaf, 8 bits each.
 int of_leaf(int codes, int leaf) { return codes >> 8 * leaf & 255; }
 
-// How often texels are doubled beyond which samples belong to the whole cell, not to a leaf.
+// With more doublings than this, samples belong to the whole cell instead of a leaf.
 int most_doublings() { return 2 * findMSB(search.block_size / 2); }
 
 struct Squares {
-  ivec2 low, end; // of their numbers along x and y
+  ivec2 low, end; // range of square numbers along x and y
   int doublings;
 };
 
-// What the samples of a leaf are taken from. Those of the whole cell are the first leaf's.
+// The squares from which the samples of a leaf are taken. Samples of the whole cell are stored as the first leaf's.
 Squares squares_of(ivec4 box, int leaf, int doublings) {
   int side = search.block_size / 2, stride = 1 << doublings / 2;
   ivec2 low = box.xy, end = box.xy + box.zw;
@@ -30,9 +30,9 @@ Squares squares_of(ivec4 box, int leaf, int doublings) {
   return Squares(low / stride, (end - 1) / stride + 1, doublings);
 }
 
-// Which half of the samples that of a square belongs to: a color of the chessboard, or, where samples are on one color only, every other
-// column; -1: it has none. It is one of the four texels around the middle of the square, by turns, so that their mean is the middle: nearly
-// even samples measure a disk two to three times as well as jittered ones.
+// The half that the sample of a square belongs to: a chessboard color or, if only one color has samples, every other column; -1:
+// the square has none. The sample alternates among the four texels around the square's middle, so that their mean is the middle:
+// nearly even samples measure a disk two to three times as well as jittered ones.
 int half_of(int cell, Squares squares, ivec2 square, out ivec2 sample_entry) {
   int stride = 1 << squares.doublings / 2, odd = (square.x ^ square.y) & 1;
   bool one_color = (squares.doublings & 1) != 0;

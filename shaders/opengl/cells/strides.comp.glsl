@@ -1,9 +1,9 @@
 #version 450 core
-// One invocation, one cell → what a radius makes of it: where it lies with the triangles at it that no texel carries, how finely its leaves
-// are sampled, and where their samples go.
+// One invocation per cell → the values that depend on the radius: its bounds including texelless triangles at it, how finely its
+// leaves are sampled, and where their samples are stored.
 //
-// No sample stands for more area than its share of a disk; where the surface bends, no fine one, near a center, for more than an eighth of
-// that.
+// A sample stands for at most its share of a disk's area. Where the surface bends, a fine sample, near a center, stands for at
+// most an eighth of that.
 #include "variant.glsl"
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
@@ -22,7 +22,7 @@ layout(binding = UNIT_TEXELLESS_RANGES) uniform isamplerBuffer texelless_ranges;
 
 const int finer = 3;           // doublings
 const float even = 0.9;        // cosine between the normals of a leaf without detail
-const float anywhere = 1e30;   // where a cell without points may lead
+const float anywhere = 1e30;   // bound for a cell without points, which may lead anywhere
 
 void enclose_texelless_samples(int cell, inout vec4 sphere, inout vec4 cone) {
 #if TEXELLESS
@@ -39,17 +39,17 @@ void enclose_texelless_samples(int cell, inout vec4 sphere, inout vec4 cone) {
 #endif
 }
 
-// The exponent of the largest power of two that is not above a number, from 0 to `most`.
+// The exponent of the largest power of two up to a number, clamped to [0, most].
 int doublings_to(float number, int most) { return clamp((floatBitsToInt(number) >> 23 & 255) - 127, 0, most); }
 
-// Of a leaf by itself, and of four that have one list.
+// Doublings of each leaf by itself, and whether the four leaves are joined into one list.
 struct Doublings {
   int coarse[CELL_LEAVES], fine[CELL_LEAVES];
   bool joined;
 };
 
 Doublings choose_doublings(int cell, bool at_boundary) {
-  // At the mesh's own boundary no other chart makes up for what texels leave out.
+  // At the mesh's own boundary no other chart makes up for what texels miss.
   float wanted = at_boundary ? 0.25 * search.share : search.share;
   Doublings found;
   float largest = 0.0;
@@ -73,7 +73,7 @@ Doublings choose_doublings(int cell, bool at_boundary) {
   return found;
 }
 
-// How many samples each half of a leaf has.
+// The number of samples of each half of a leaf.
 ivec2 count_samples(int cell, Squares squares) {
   ivec2 halves = ivec2(0), unused;
   for (int y = squares.low.y; y < squares.end.y; ++y)
@@ -85,7 +85,7 @@ ivec2 count_samples(int cell, Squares squares) {
   return halves;
 }
 
-// 16 bits each.
+// Packs sizes in 16 bits each.
 ivec2 in_pairs(ivec4 sizes) { return sizes.xz | sizes.yw << 16; }
 int sum(ivec4 sizes) { return sizes.x + sizes.y + sizes.z + sizes.w; }
 
@@ -114,7 +114,7 @@ void main() {
     coarse[i] = halves.x + halves.y;
     coarse_halves[i] = halves.x;
     halves = ivec2(0);
-    if (doublings.fine[i] != doublings.coarse[i]) { // fine ones that are as many as coarse ones are not listed once more
+    if (doublings.fine[i] != doublings.coarse[i]) { // fine samples are listed only if they differ from the coarse ones
       halves = count_samples(cell, squares_of(box, i, doublings.fine[i]));
       if (cells[cell].leaf[i].sphere.w >= 0.0) bits |= CELL_FINE_LEAF << i;
     }

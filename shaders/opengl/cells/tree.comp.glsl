@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one node of the tree of cells → the box around the nodes in it, which are of the level below.
+// One invocation per node of the tree of cells → the box around its children, which are on the level below.
 #include "opengl/elements.glsl"
 #include "opengl/cells/search.glsl"
 #include "opengl/cells/tree.glsl"

@@ -1,14 +1,14 @@
-// The tree of cells, each node before those in it: a node of level n has 4^n cells, whose numbers follow each other. Cells are level 0.
+// The tree of cells, each node stored before its children. A node of level n has 4^n consecutive cells; cells are level 0.
 #define CELLS_OF_LEVEL(level) (1 << TREE_BITS * (level))
 
-// The number of nodes that begin before a cell.
+// The number of nodes stored before a cell.
 int nodes_before(int cell) {
   int nodes = cell;
   for (int level = 1; level <= search.top_level; ++level) nodes += (cell + CELLS_OF_LEVEL(level) - 1) >> TREE_BITS * level;
   return nodes;
 }
 
-// Where node i of a level is.
+// The index of node i of a level.
 int node_at(int level, int i) {
   int first = i << TREE_BITS * level, node = nodes_before(first);
   for (int above = level + 1; above <= search.top_level; ++above)
@@ -16,5 +16,5 @@ int node_at(int level, int i) {
   return node;
 }
 
-// The node after all that are in node i of a level.
+// The index after node i of a level and all its descendants.
 int node_after(int level, int i) { return nodes_before(min(i + 1 << TREE_BITS * level, search.cell_count)); }

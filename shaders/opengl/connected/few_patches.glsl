@@ -1,6 +1,6 @@
-// The patches that a flood comes to, where these are few: arrays that are looked through as a whole, so that devices keep them in registers.
+// The patches of a flood if they are few: arrays that are always scanned as a whole, so that devices keep them in registers.
 int patch_at[FLOOD_PATCHES];                             // -1: none
-uint reached_at[FLOOD_PATCHES], pending_at[FLOOD_PATCHES]; // triangles that were looked at, and those to be looked at, as bits
+uint reached_at[FLOOD_PATCHES], pending_at[FLOOD_PATCHES]; // bits of triangles: visited, and still to be visited
 int patches;
 
 void begin_flood() {
@@ -11,7 +11,7 @@ void begin_flood() {
   }
 }
 
-// Puts triangles of a patch on the list of what is to be looked at. False: there is no room.
+// Marks triangles of a patch as pending. Returns false if there is no room.
 bool reach(int patch_number, uint bits) {
   bool found = false;
   for (int i = 0; i < FLOOD_PATCHES; ++i) {
@@ -25,7 +25,7 @@ bool reach(int patch_number, uint bits) {
   return found;
 }
 
-// Leaves the patch in a place, if there is one, and takes the next one with pending triangles. False: there is none.
+// Stores the patch at a place, if there is one, and takes the next one with pending triangles. Returns false if there is none.
 bool next_patch(inout int place, inout int patch_number, inout uint reached, out uint pending) {
   int next = -1;
   uint before = 0u;
@@ -44,7 +44,7 @@ bool next_patch(inout int place, inout int patch_number, inout uint reached, out
   return next >= 0;
 }
 
-// Its places, FLOOD_PLACES of them.
+// The patch at one of the FLOOD_PLACES places.
 #define FLOOD_PLACES FLOOD_PATCHES
 int patch_in(int place) {
   int number = -1;

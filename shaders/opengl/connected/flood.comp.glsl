@@ -1,9 +1,9 @@
 #version 450 core
-// One invocation, one ambiguous center → the triangles that are connected to it within the ball, and whether they have the area that its
-// samples found. If not, the center is computed again, on exactly these.
+// One invocation per ambiguous center → the triangles connected to it within the ball, and whether their area is the one that its
+// samples found. If not, the center is computed again, on exactly these triangles.
 //
-// The flood goes from triangle to triangle over edges that meet the ball. Of a patch that lies wholly within, it takes all triangles in one
-// step. One loop does all: nested ones would run, for the invocations that a device runs side by side, as often as the longest of each turn.
+// The flood goes from triangle to triangle across edges that meet the ball. It takes a patch wholly inside the ball in one step.
+// There is one loop instead of nested ones, which would run as often as the longest among neighboring invocations in each turn.
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
@@ -44,7 +44,7 @@ struct Offsets {
 };
 
 vec3 center; // in the mesh's units
-float unit;  // the radius is as long
+float unit;  // the radius in the mesh's units
 
 Offsets offsets_of(int code) {
   ivec4 corners = texelFetch(patch_triangles, 2 * code);
@@ -63,16 +63,16 @@ float area_of_patch(int patch_number) { return texelFetch(patch_spheres, 2 * pat
 #define TOO_LONG 1
 #define ENDED 2
 
-// area: of what was reached, about, in units of the radius; none where triangles are too large to say.
+// area: the approximate area reached, in squared radii; 0 if triangles are too large to estimate it.
 int run(int start, out float area) {
-  const float large = 1.5; // squares of a triangle's sides
+  const float large = 1.5; // squared side lengths above this
   area = 0.0;
   int place = -1, patch_number = -1;
-  uint reached = 0u, pending = 0u; // of its triangles
+  uint reached = 0u, pending = 0u; // bits of the patch's triangles
   ivec2 neighbors = ivec2(0);
   ivec3 beyond = ivec3(start, -1, -1); // codes of triangles in other patches
   begin_flood();
-  for (int turn = 0; turn < MAX_ITERATIONS / 3; ++turn) { // rounds of reach() count as well
+  for (int turn = 0; turn < MAX_ITERATIONS / 3; ++turn) { // rounds of reach() count, too
     int to = -1, code = max(beyond.x, max(beyond.y, beyond.z));
     uint bits = 0u;
     if (code >= 0) {
@@ -120,7 +120,7 @@ int run(int start, out float area) {
   return TOO_LONG;
 }
 
-// The same of a flood that has ended, exactly.
+// The exact area of a flood that has ended.
 float exact_area() {
   float area = 0.0;
   int patch_number = -1;
@@ -143,7 +143,7 @@ float exact_area() {
   return area;
 }
 
-// Keeps the flood for the center, which is computed again.
+// Stores the flood for a center that is computed again.
 void keep(int center_number) {
   int again = atomicAdd(connected[CONNECTED_AGAIN], 1), table = table_again(again);
   atomicMax(connected[CONNECTED_AGAIN_GROUPS], again / GROUP_SIZE + 1);

@@ -1,7 +1,7 @@
-// The patches that a flood comes to, where these may be many: a table of open addresses, and a queue.
+// The patches of a flood if they may be many: a hash table with open addressing, and a queue.
 #define FLOOD_PLACES (2 * FLOOD_PATCHES)
 int patch_at[FLOOD_PLACES];                            // -1: none
-uint reached_at[FLOOD_PLACES], pending_at[FLOOD_PLACES]; // triangles that were looked at, and those to be looked at, as bits
+uint reached_at[FLOOD_PLACES], pending_at[FLOOD_PLACES]; // bits of triangles: visited, and still to be visited
 int queue[FLOOD_PATCHES];                              // circular: places of patches with pending triangles
 int patches, first_queued, queued;
 
@@ -10,7 +10,7 @@ void begin_flood() {
   for (int i = 0; i < FLOOD_PLACES; ++i) patch_at[i] = -1;
 }
 
-// Puts triangles of a patch on the list of what is to be looked at. False: there is no room.
+// Marks triangles of a patch as pending. Returns false if there is no room.
 bool reach(int patch_number, uint bits) {
   int place = first_place(patch_number, FLOOD_PLACES), found = patch_at[place];
   while (found >= 0 && found != patch_number) {
@@ -32,7 +32,7 @@ bool reach(int patch_number, uint bits) {
   return true;
 }
 
-// Leaves the patch in a place, if there is one, and takes the next one with pending triangles. False: there is none.
+// Stores the patch at a place, if there is one, and takes the next one with pending triangles. Returns false if there is none.
 bool next_patch(inout int place, inout int patch_number, inout uint reached, out uint pending) {
   pending = 0u;
   if (place >= 0) reached_at[place] = reached;

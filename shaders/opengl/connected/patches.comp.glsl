@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one patch of triangles → the sphere around it, and its area; but for its middle in the units of the buffers.
+// One invocation per patch of triangles → the sphere around it, and its area. Only the sphere's middle is in the mesh's units.
 #include "opengl/elements.glsl"
 #include "opengl/surface/positions.glsl"
 #include "opengl/surface/space.glsl"

@@ -1,4 +1,4 @@
-// The ranges of a neighborhood's samples, as neighborhoods.comp.glsl lists them → its samples: texels, and those of triangles that no texel carries.
+// The ranges listed by neighborhoods.comp.glsl → a neighborhood's samples: texels, and samples of triangles without texels.
 #include "opengl/evaluate/buffers.glsl"
 layout(std430, binding = BINDING_NEIGHBORHOODS) readonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
@@ -10,7 +10,7 @@ layout(binding = UNIT_POINTS) uniform samplerBuffer points;
 layout(std430, binding = BINDING_TEXELLESS) readonly restrict buffer Texelless { TexellessSample texelless[]; };
 #endif
 
-// Adds sample i of the list. part: 1, or 0 where i only fills up a group of four.
+// Adds sample i of the list. part: 1, or 0 if i only fills up a group of four.
 void add_sample(inout Sums sums, int i, float part) {
 #if !LISTED || EXACT || FACES || MAP
   ivec2 entry = texelFetch(sample_list, i).xy, texel = ivec2(entry.x & 0xffff, entry.x >> 16);
@@ -25,8 +25,8 @@ void add_sample(inout Sums sums, int i, float part) {
 #endif
 }
 
-// One loop over all ranges: nested ones would run, for the invocations that a device runs side by side, as often as the longest range of
-// each turn. Software devices run both sides of every branch in it: four samples share the look for the next range.
+// There is one loop over all ranges instead of nested ones, which would run as often as the longest range among neighboring
+// invocations. Software devices run both sides of every branch in it, so four samples share one test for the next range.
 void add_texels(inout Sums sums, int range, int end_range) {
   int i = 0, last = -1;
   for (;;) {
@@ -65,7 +65,7 @@ void add_texelless_samples(inout Sums sums, int range, int end_range, float shar
 }
 
 #if ADAPTIVE
-// Samples the black squares of a chessboard first (part 0), and the white ones then.
+// Samples the black squares of a chessboard first (part 0), then the white ones.
 void sample_neighborhood(inout Sums sums, int slot, int part) {
   NeighborhoodRanges neighborhood = neighborhoods[slot];
   sums.moments.hits_boundary = neighborhood.hits_boundary;
@@ -83,7 +83,7 @@ void sample_neighborhood(inout Sums sums, int slot) {
 }
 #endif
 
-// The deviation from a disk's moments from which on a center's triangles are looked through: a single sheet is connected, unless it is far
+// The deviation from a disk's moments from which a center's triangles are checked: a single sheet is connected unless it is far
 // from a disk.
 float ambiguous_from(int slot, float tolerance) {
   return neighborhoods[slot].single_sheet != 0 ? 2.0 * tolerance + 0.1 : tolerance;

@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one center of evaluation → every requested descriptor, from one sampling of its neighborhood (paper 4.1).
+// One invocation per center → every requested descriptor, from one sampling of its neighborhood (paper 4.1).
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
@@ -72,7 +72,7 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 #endif
 
 #if AFFINE || PAPER
-// False if samples are left to later dispatches.
+// Takes the samples of this dispatch. Returns false if later dispatches take more.
 bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
   bool refined = true;
   if (params.begin_sample > 0 || (PAPER == 1 && params.marks_only == 0)) {
@@ -119,7 +119,7 @@ bool take_samples(inout Sums sums, CenterData data, int index, int slot, out flo
 #endif
 
 void main() {
-  // Software devices give each core a row of groups: every other one, so that cores have as much to do where centers in a row are costly.
+  // Software devices give each core a row of groups. Interleaving the groups balances the cores if costly centers are neighbors.
   int group = int(gl_WorkGroupID.x), even = (int(gl_NumWorkGroups.x) + 1) / 2;
   group = group < even ? 2 * group : 2 * (group - even) + 1;
   int slot = group * GROUP_SIZE + int(gl_LocalInvocationID.x), index = params.first + slot;

@@ -1,4 +1,4 @@
-// A pattern over the enlarged ellipse (paper 3.4, 4.1), each sample carried over the seams by itself.
+// A pattern over the enlarged ellipse (paper 3.4, 4.1); each sample is carried across the seams by itself.
 void sample_neighborhood(inout Sums sums, SamplingEllipse ellipse) {
   int i = params.begin_sample;
   for (; i < params.end_sample; ++i) {

@@ -1,9 +1,9 @@
-// A march → its length as a sum of chords (paper 5.1). A march is no geodesic: where it bends along the surface by kappa_g, the sum exceeds
-// the distance.
+// A march → its length as a sum of chords (paper 5.1). A march is not a geodesic: if it bends along the surface, by kappa_g, the
+// sum exceeds the distance.
 #if CHORDS
 #define CHORD_COUNT 8
 
-// The surface at a position on a chart, between the texels of that chart around it. False where there are none.
+// Interpolates the surface at a position on a chart between the chart's texels around it. Returns false if there are none.
 bool surface_between(vec2 position, int chart, out vec3 point) {
   vec2 low = floor(position - 0.5);
   vec2 part = position - 0.5 - low;
@@ -20,7 +20,7 @@ bool surface_between(vec2 position, int chart, out vec3 point) {
   return sum.w > 1e-3;
 }
 
-// From the center to the surface's point q, by equal steps of `way` in (u, v).
+// The length from the center to the surface's point q, by equal steps of `way` in (u, v).
 float length_of_chords(vec2 from, vec2 way, int chart, vec3 p, vec3 q) {
   March march = begin_march(from, from, chart);
   float sum = 0.0;

@@ -1,12 +1,12 @@
-// A march is a sample's straight way through the UV map, over any seams: to the texel where it lands (paper 3.4, with the affine map of
-// each seam edge instead of eq. 2 and 3). Lengths are in texels.
+// A march is a sample's straight path through the UV map, across any seams, to the texel where it lands (paper 3.4, with the
+// affine map of each seam edge instead of eq. 2 and 3). Lengths are in texels.
 #include "opengl/evaluate/buffers.glsl"
 layout(binding = UNIT_BORDER) uniform isampler2D border;
 layout(binding = UNIT_BORDER_LIST) uniform isampler2D border_list;
 layout(binding = UNIT_BORDER_UV) uniform sampler2D border_uv;
 layout(binding = UNIT_LINKS) uniform sampler2D links;
 #if PAPER
-#define MAX_JUMPS 64 // the paper's pattern is repeated within max_jumps; marches go on, to find what that leaves out
+#define MAX_JUMPS 64 // the paper's pattern is repeated within max_jumps; marches go further, to find what that leaves out
 #else
 #define MAX_JUMPS params.max_jumps
 #endif
@@ -37,8 +37,8 @@ void mark(March march, int edge);
 
 float cross_product(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
-// The first edge of this texel through which a march leaves its chart, as its index in the list, or -1; `t` becomes the parameter of the
-// march there. Only edges that the march crosses to their right count: the others are behind it or belong to a neighboring chart.
+// The first edge of this texel through which a march leaves its chart, as its index in the list, or -1; `t` becomes the march's
+// parameter there. Only edges that the march crosses to their right count: others lie behind it or belong to a neighboring chart.
 int first_exit(ivec2 cell, March march, int came_from, float limit, inout float t) {
   vec2 way = march.to - march.from;
   int exit_edge = -1;
@@ -60,7 +60,7 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
   return exit_edge;
 }
 
-// Carries the rest of the march over a seam edge; false if there is no other side.
+// Carries the rest of the march across a seam edge; returns false if there is no other side.
 bool jump(inout March march, int edge, float t, out int came_from) {
   vec4 matrix = texelFetch(links, list_texel(2 * edge), 0);
   vec4 image = texelFetch(links, list_texel(2 * edge + 1), 0);
@@ -98,7 +98,7 @@ void advance(inout March march) {
       if (t >= 1.0) return;
       continue;
     }
-    // The march leaves at the texel's far side, and a little beyond, so that rounding cannot hold it here.
+    // Leaves through the texel's far side, and goes slightly beyond it, so that rounding cannot hold the march in the texel.
     vec2 sides = vec2(texel) + step(vec2(0.0), way) - position;
     vec2 ways = vec2(abs(way.x) > 1e-12 ? sides.x / way.x : 1e9, abs(way.y) > 1e-12 ? sides.y / way.y : 1e9);
     float leave = t + max(min(ways.x, ways.y), 0.0) + 1e-3 / span;
@@ -123,7 +123,7 @@ void advance(inout March march) {
   march.outcome = LOST;
 }
 
-// The texel of this chart nearest to a position on it: the one around it, or one beside that where another chart owns it.
+// Finds the chart's texel nearest to a position on it: the texel around it or, if another chart owns that, an adjacent one.
 bool find_texel(vec2 position, int chart, out ivec2 texel) {
   texel = clamp(ivec2(floor(position)), ivec2(0), ivec2(buffer_size - 1));
   if (texelFetch(ids, texel, 0).x == chart) return true;

@@ -1,9 +1,10 @@
-// The paper's way over seams (4.1): the whole pattern on the center's own chart, and again on every chart that samples left for, from the
-// center carried there (by the map of the seam edge instead of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
-// A visit is a chart by way of a seam; where a chart was reached over several seams, a position belongs to the nearest center.
+// The paper's method at seams (4.1): the whole pattern is sampled on the center's own chart, and again on every chart that
+// samples left for, around the center carried there (by the map of the seam edge instead of eq. 2 and 3). A sample counts on the
+// chart whose pass it belongs to. A visit is a chart entered by one seam; if several seams led to a chart, the nearest center has
+// a position.
 
-// A region of MAX_VISITS for each invocation of the dispatch; number 0 is the center's own chart. A buffer and no local array:
-// llvmpipe miscompiles those where the index is not constant.
+// Each invocation of the dispatch has a region of MAX_VISITS visits; visit 0 is the center's own chart. They are in a buffer,
+// because llvmpipe miscompiles local arrays whose index is not constant.
 layout(std430, binding = BINDING_VISITS) restrict buffer Visits { VisitData visits[]; };
 layout(std430, binding = BINDING_SEAMS) readonly restrict buffer Seams { int seams[]; };
 
@@ -11,7 +12,7 @@ int first_visit;
 int visit_count;
 bool marking;
 
-// Remembers the chart that a march has come to.
+// Records the chart that a march has reached.
 void mark(March march, int edge) {
   if (!marking || march.jumps > params.max_jumps) return;
   int seam = seams[edge];
@@ -44,7 +45,7 @@ vec2 to_disk(int visit, mat2 axes, vec2 position) {
   return inverse(mat2(m.xy, m.zw) * axes) * (position - visits[visit].center);
 }
 
-// Whether no other visit of the same chart has its center nearer to the position; `away` is the distance from this one's.
+// Whether no other visit of the same chart has a center nearer to the position; `away` is the distance from this visit's center.
 bool is_nearest(int visit, mat2 axes, vec2 position, float away) {
   int other = visits[visit].next;
   for (int k = 0; k < MAX_VISITS && other != visit; ++k) {
@@ -55,7 +56,7 @@ bool is_nearest(int visit, mat2 axes, vec2 position, float away) {
   return true;
 }
 
-// Whether a position lies on a chart: its texel's center does, and no border of the chart comes between, or the other way about.
+// Whether a position lies on a chart: either its texel's center does and no border separates them, or neither holds.
 bool on_chart(vec2 position, int chart) {
   if (any(lessThan(position, vec2(0.0))) || any(greaterThanEqual(position, vec2(buffer_size)))) return false;
   ivec2 texel = ivec2(position);
@@ -91,7 +92,7 @@ bool mark_charts(inout Sums sums, SamplingEllipse ellipse) {
   return left;
 }
 
-// Whether the pattern of some visit holds the position where a sample's own march leads.
+// Whether the pattern of some visit contains the end of a sample's own march.
 bool is_visited(March march, SamplingEllipse ellipse) {
   for (int k = first_visit; k < first_visit + visit_count; ++k) {
     if (visits[k].chart != march.chart) continue;
@@ -115,11 +116,11 @@ void sample_visit(inout Sums sums, SamplingEllipse ellipse, int visit, inout int
   }
 }
 
-// left: whether samples left the center's chart.
+// left: whether any samples left the center's chart.
 void sample_neighborhood(inout Sums sums, SamplingEllipse ellipse, bool left) {
   int taken = 0, all = visit_count * (params.end_sample - params.begin_sample);
   for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, ellipse, k, taken);
-  // Samples whose way leads on to charts that were not visited, or nowhere.
+  // Adds samples whose own march leads to charts that were not visited, or nowhere.
   int i = params.begin_sample;
   for (; left && i < params.end_sample; ++i) {
     PatternSample goal = pattern_sample(sample_number(i), ellipse.rotation, ellipse.index);

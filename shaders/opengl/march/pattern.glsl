@@ -1,4 +1,4 @@
-// The disk pattern of a center (paper 4.1): turned by the center's angle, stretched by direction where that is asked for.
+// The disk pattern of a center (paper 4.1), turned by the center's angle and, if DIRECTIONAL, stretched by direction.
 layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec2 pattern[]; };
 #if DIRECTIONAL
 layout(std430, binding = BINDING_STRETCHES) readonly restrict buffer Stretches { float stretches[]; };
@@ -19,8 +19,8 @@ float stretch_along(vec2 direction, int index) {
 
 struct PatternSample {
   vec2 disk;     // in the unit disk
-  float stretch; // of the disk there, whose area grows by its square
-  bool inside;   // the ball, if the metric were that of the center
+  float stretch; // of the disk at this sample; areas grow by its square
+  bool inside;   // within the ball if the metric were that of the center
 };
 
 PatternSample pattern_sample(int i, mat2 rotation, int index) {

@@ -1,6 +1,6 @@
 #version 450 core
-// One invocation, one direction of one center → the stretch of the ellipse there: the largest length in (u, v) per length in space on the
-// march, relative to the center's (paper 4.1).
+// One invocation per direction of a center → the stretch of the ellipse in it: the largest length in (u, v) per length in space
+// on the march, relative to the center's (paper 4.1).
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
@@ -13,7 +13,7 @@ layout(std430, binding = BINDING_STRETCHES) writeonly restrict buffer Stretches 
 const int STEPS = 8;       // along the ellipse's own radius
 const float LARGEST = 4.0; // stretch
 
-// The length in space of a step in (u, v), both as parts of a whole way; below 0 where no texel is.
+// The length in space of a step in (u, v), both relative to the whole path; below 0 if there is no texel.
 float length_in_space(vec2 step_uv, vec2 position, int chart) {
   ivec2 texel;
   if (!find_texel(position, chart, texel)) return -1.0;

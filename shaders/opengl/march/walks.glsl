@@ -1,5 +1,5 @@
-// Samples that march (affine, paper). Each dispatch takes some samples of a pattern and leaves the sums to the next one, so that none comes
-// near the number of iterations that a device allows an invocation.
+// Samples that march (affine, paper). Each dispatch takes some samples of a pattern and passes the sums on to the next one, so
+// that none comes near the iterations that a device allows an invocation.
 #include "opengl/march/march.glsl"
 #include "opengl/march/pattern.glsl"
 #include "opengl/march/chords.glsl"
@@ -12,7 +12,7 @@ struct Progress {
 };
 layout(std430, binding = BINDING_PROGRESS) restrict buffer Progresses { Progress progress[]; };
 
-// Adaptive sampling takes every other sample first, and the rest then.
+// Adaptive sampling takes every other sample first, then the rest.
 int first_half() { return (params.samples + 1) / 2; }
 int sample_number(int i) {
 #if ADAPTIVE
@@ -26,11 +26,11 @@ struct SamplingEllipse {
   mat2 rotation;
   mat2 axes; // in texels
   vec2 center;
-  vec2 start; // where its marches start
+  vec2 start; // start of its marches
   int chart;
   int index;
   float area_uv;    // of a sample
-  float area_space; // where the metric is that of the center
+  float area_space; // of a sample, if the metric is that of the center
 };
 
 SamplingEllipse sampling_ellipse_of(CenterData data, int index) {
@@ -42,7 +42,7 @@ SamplingEllipse sampling_ellipse_of(CenterData data, int index) {
                PI * params.enlargement * params.enlargement * params.radius * params.radius / float(params.samples));
 }
 
-// A sample's own march over the seams, as far as it leads.
+// Marches to a sample's position across the seams, as far as possible.
 March march_to(SamplingEllipse ellipse, PatternSample goal) {
   March march = begin_march(ellipse.start, ellipse.center + ellipse.axes * goal.disk, ellipse.chart);
   advance(march);
@@ -56,7 +56,7 @@ bool hits_boundary(March march, Center center) {
   return length(texelFetch(positions, texel, 0).xyz - center.position) < params.radius;
 }
 
-// Adds a sample that its march, or its visit, has brought there.
+// Adds a sample that its march, or its visit, has carried to `there`.
 void add_sample(inout Sums sums, SamplingEllipse ellipse, PatternSample goal, vec2 there, int chart, float factor) {
   float share = goal.stretch * goal.stretch;
   ivec2 texel;
@@ -69,7 +69,7 @@ void add_sample(inout Sums sums, SamplingEllipse ellipse, PatternSample goal, ve
   add_texel(sums, texel, ellipse.area_uv * share * factor, length_of_chords(ellipse.start, way, ellipse.chart, sums.center.position, point));
 }
 
-// Adds the area of the samples that an iteration limit cut off: `count` of them, out of `of`.
+// Adds the area of samples that an iteration limit cut off: `count` out of `of` samples.
 void miss_rest(inout Sums sums, int count, int of) {
   if (count > 0) sums.moments.missing_area += PI * params.radius * params.radius * float(count) / float(of);
 }

@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one triangle → its unit normal, and the root of twice its area.
+// One invocation per triangle → its unit normal, and the root of twice its area.
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 layout(std430, binding = BINDING_FACES) writeonly restrict buffer Faces { vec4 faces[]; };

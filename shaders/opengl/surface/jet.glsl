@@ -1,16 +1,16 @@
-// Heights of neighbors over a plane → moments → the gradient of a jet there, as mesh/jets.cpp has it.
+// Heights of neighbors over a plane → moments → the gradient of a jet, as in mesh/jets.cpp.
 //
-// Normal equations stand in blocks: of cubic terms C, quadratic ones Q, and L, which has both linear terms and then the heights. All is in
-// doubles, since normal equations square what rounding loses; and without loops, so that all of it lies in registers.
+// Normal equations are in blocks: cubic terms C, quadratic terms Q, and L with both linear terms and then the heights. Everything
+// is in doubles, since normal equations square rounding errors; and without loops, so that everything stays in registers.
 const double least_pivot = 1e-5LF;
 
-// Sums of u^(degree - k) v^k over the neighbors; where four numbers are not enough, the others.
+// Sums of u^(degree - k) v^k over the neighbors; `more` has the sums beyond a vector's four numbers.
 dvec3 sum2;
 dvec4 sum3, sum4, sum5, sum6;
 double more4;
 dvec2 more5;
 dvec3 more6;
-// The same times w, and of w^2.
+// The same sums weighted by w, and the sum of w^2.
 dvec2 sum_w1;
 dvec3 sum_w2;
 dvec4 sum_w3;
@@ -43,13 +43,13 @@ void add_height(double u, double v, double w) {
   sum_ww += w * w;
 }
 
-// Blocks of the symmetric matrix: their columns are those of the first letter.
+// Blocks of the symmetric matrix; the first letter names their columns.
 dmat4 block_cc;
 dmat4x3 block_cq, block_cl;
 dmat3 block_qq, block_ql, block_ll;
-bool determined; // the neighbors determine what was eliminated
+bool determined; // the neighbors determine everything eliminated so far
 
-// Columns are scaled to unit length; one that vanishes to 0, which gives no pivot.
+// Factors that scale columns to unit length. A zero column gets 0 and gives no pivot.
 dvec4 scale_c;
 dvec3 scale_q, scale_l;
 
@@ -93,8 +93,8 @@ struct JetGradient {
   bool exists;
 };
 
-// Of what is left of the blocks. Higher orders go first, so that the last two pivots show how well the neighbors determine the gradient
-// alone.
+// Solves the remaining blocks. Higher orders are eliminated first, so that the last two pivots tell how well the neighbors
+// determine the gradient alone.
 JetGradient solve_gradient() {
   eliminate_quadratic(0);
   eliminate_quadratic(1);
@@ -136,8 +136,8 @@ JetGradient solve_cubic() {
   return solve_gradient();
 }
 
-// Of the jet through `count` neighbors; false where these do not determine it. Cubic terms take part as far as they explain more than noise.
-// noise: the variance of the heights around the jet.
+// Fits a jet to `count` neighbors; returns false if they do not determine it. Cubic terms take part as far as they explain more
+// than noise would. noise: the variance of the heights around the jet.
 bool fit_gradient(int count, out dvec2 gradient, out double noise) {
   const double least_gain = 3.0LF;
   const int cubic_terms = 4, quadratic_columns = 5, spare_neighbors = 2, columns = quadratic_columns + cubic_terms;

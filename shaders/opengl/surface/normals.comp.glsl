@@ -1,6 +1,6 @@
 #version 450 core
-// One invocation, one fan → its unit normal, as mesh/normals.cpp has it: Max's, or turned by the gradient of a jet through the vertices
-// around.
+// One invocation per fan → its unit normal, as in mesh/normals.cpp: Max's, or turned by the gradient of a jet through the
+// vertices around.
 #include "variant.glsl"
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
@@ -12,15 +12,15 @@ layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
 layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
 layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 
-// In cosines: 26 and 37 degrees of spread, 8 and 12 of turn.
+// As cosines: 26 and 37 degrees of spread, 8 and 12 degrees of turn.
 const double spread_full = 0.9LF, spread_none = 0.8LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
-// In distances of neighbors, and in their heights.
+// Relative to distances of neighbors (noise), and to their heights (share).
 const double noise_none = 0.015LF, noise_full = 0.05LF, share_none = 0.15LF, share_full = 0.4LF;
 
 dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
-// The mean of |a|² |b|² over the faces, whose edges from the fan's own vertex are a and b.
+// The mean of |a|² |b|² over the faces; a and b are a face's edges from the fan's own vertex.
 double mean_squares(int begin, int end) {
   dvec3 p = fan_position(begin);
   double sum = 0.0LF;
@@ -31,7 +31,7 @@ double mean_squares(int begin, int end) {
   return sum / double(end - begin - 2);
 }
 
-// N. Max's weights, from edges to the vertices around; from least_squares down faces count by their areas alone.
+// N. Max's normal from edges to the vertices around; faces with |a|² |b|² below least_squares count by area.
 dvec3 max_normal(int begin, int end, double least_squares) {
   dvec3 p = fan_position(begin), sum = dvec3(0.0LF);
   for (int i = begin + 1; i < end - 1; ++i) {
@@ -40,12 +40,13 @@ dvec3 max_normal(int begin, int end, double least_squares) {
     if (most > 0.0LF) sum += cross(a, b) / most;
   }
   dvec3 normal = unit_or_zero(sum);
-  for (int i = end - 1; i > begin + 1 && normal == dvec3(0.0LF); --i) // faces that cancel out: the last one's, which has one
+  for (int i = end - 1; i > begin + 1 && normal == dvec3(0.0LF); --i) // if they cancel: the last face with a normal
     normal = unit_or_zero(cross(fan_position(i - 1) - p, fan_position(i) - p));
   return normal == dvec3(0.0LF) ? dvec3(0.0LF, 0.0LF, 1.0LF) : normal;
 }
 
-// The direction of the mean of the rings' faces by their areas; spread: its cosine with the normal, by its length.
+// The direction of the area-weighted mean of the rings' face normals. spread: that mean's length times its cosine with the
+// normal.
 dvec3 mean_of_faces(dvec3 normal, int begin, int end, out double spread) {
   dvec3 sum = dvec3(0.0LF);
   double areas = 0.0LF;

@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one vertex of the bake or one center → where it lies in buffer units, and its normal.
+// One invocation per bake vertex or center → its position in buffer units, and its normal.
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 #include "opengl/surface/space.glsl"
