@@ -1,4 +1,4 @@
-// The C edge and nothing else: checks handles and arguments; api_edge.h turns exceptions into codes and sentences.
+// The C edge and nothing else: checks handles and arguments. api_edge.h turns exceptions into codes and sentences.
 #include <cmath>
 #include <optional>
 #include <string>
@@ -48,8 +48,8 @@ template <class Handle> void need_live(const Handle *handle, const char *name) {
     refuse(std::string("The argument '") + name + "' is no " + name + ", or one that was destroyed; pass one that is alive.");
 }
 
-// One call at a time on a context, helped by its workers; a call from inside the progress callback of another would wait for
-// itself.
+// One call at a time on a context, whose workers help with it. Refuses a call from inside the progress callback of another call
+// on the same context, which would wait for itself.
 class Turn {
 public:
   explicit Turn(paradesc::Context &context) : context_(context) {
@@ -260,7 +260,7 @@ void pdesc_mesh_destroy(pdesc_mesh *mesh) {
   if (!mesh) return;
   guarded([&] {
     need_live(mesh, "mesh");
-    const auto context = mesh->mesh->context; // the turn must outlive the mesh
+    const auto context = mesh->mesh->context; // keeps the context until the turn ends
     const Turn turn(*context);
     if (live().remove(mesh)) delete mesh;
   });

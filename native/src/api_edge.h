@@ -1,5 +1,5 @@
-// What the calls of the C edge share: exceptions become codes and sentences, structs of callers of another age are read and
-// written, arguments are checked.
+// The shared parts of the C edge: exceptions become codes and sentences, structs of older and newer callers are read and written,
+// arguments are checked.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 
 namespace paradesc::edge {
 
-// The sentence of this thread's last failure, in memory that is there when no other is.
+// The sentence of this thread's last failure, in memory of fixed size, so that it can be set when no other memory is left.
 class LastError {
 public:
   const char *text() const { return text_.data(); }
-  // The parts one after the other, as far as there is room: whole characters of UTF-8.
+  // Concatenates the parts as far as there is room, cutting between characters of UTF-8.
   void set(std::initializer_list<std::string_view> parts) noexcept {
     size_t length = 0;
     for (const std::string_view part : parts) {
@@ -35,13 +35,13 @@ private:
 };
 LastError &last_error();
 
-// Runs a call's body; whatever it throws becomes a code and a sentence.
+// Runs a call's body and turns any exception into a code and a sentence.
 template <class Body> int32_t guarded(const Body &body) noexcept {
   LastError &sentence = last_error();
   try {
     sentence.set({});
     body();
-    sentence.set({}); // of calls from the progress callback
+    sentence.set({}); // left by calls from the progress callback
     return PDESC_OK;
   } catch (const Error &error) {
     sentence.set({error.what()});
@@ -64,7 +64,7 @@ inline void need(const void *pointer, const char *name) {
   if (!pointer) refuse(std::string("The argument '") + name + "' is NULL; pass a valid pointer.");
 }
 
-// A caller may be older or newer than the library: what it did not pass keeps its default, what we do not know is left alone.
+// A caller may be older or newer than the library: members that it did not pass keep their defaults, unknown ones are ignored.
 template <class Struct> Struct read_struct(const Struct *input, void (*init)(Struct *), const char *name) {
   Struct ours;
   init(&ours);
@@ -79,7 +79,7 @@ template <class Struct> Struct read_struct(const Struct *input, void (*init)(Str
 template <class Struct> void write_struct(Struct ours, Struct *out, const char *name) {
   need(out, name);
   const uint32_t size = out->struct_size;
-  if (size < sizeof(uint32_t) || size > 4096 || size % alignof(Struct) != 0) // half a member
+  if (size < sizeof(uint32_t) || size > 4096 || size % alignof(Struct) != 0) // a size that ends within a member
     refuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; call " + name + "_init first.");
   ours.struct_size = size;
   std::memcpy(static_cast<void *>(out), &ours, std::min<size_t>(size, sizeof(Struct)));

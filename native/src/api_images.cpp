@@ -1,4 +1,4 @@
-// The part of the C edge that draws images over a UV map: it needs no handle.
+// The part of the C edge that draws images over a UV map; it needs no handle.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -59,7 +59,7 @@ int32_t pdesc_uv_image_draw(const pdesc_uv_image_input *input, float *image, int
     const auto ours = read_struct(input, pdesc_uv_image_input_init, "pdesc_uv_image_input");
     check_input(ours);
     check_count(count, floats_of(ours.size, ours.size, ours.components));
-    const auto drawn = std::make_unique_for_overwrite<float[]>(static_cast<size_t>(count)); // image is untouched on failure
+    const auto drawn = std::make_unique_for_overwrite<float[]>(static_cast<size_t>(count)); // keeps image untouched on failure
     paradesc::draw_uv_image(ours, {drawn.get(), static_cast<size_t>(count)});
     std::copy_n(drawn.get(), count, image);
   });

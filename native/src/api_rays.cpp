@@ -1,4 +1,4 @@
-// The part of the C edge that looks at one surface from another: it needs no handle.
+// The part of the C edge that looks at one surface from another; it needs no handle.
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -55,7 +55,7 @@ int32_t pdesc_rays_cast(const pdesc_rays_input *input, int32_t *triangles, float
     check_rays(ours);
     check_count(ray_count, ours.ray_count);
     const auto count = static_cast<size_t>(ray_count);
-    std::vector<int32_t> met(count); // outputs are untouched on failure
+    std::vector<int32_t> met(count); // keeps outputs untouched on failure
     std::vector<float> shares(3 * count);
     paradesc::cast_rays(ours, met, shares);
     std::copy(met.begin(), met.end(), triangles);
