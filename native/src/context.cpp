@@ -1,4 +1,4 @@
-// AUTO is the processor, and beside it a software device for what takes texture space.
+// AUTO computes on the processor, and on a software device for options that need texture space.
 #include "context.h"
 
 #include "support/error.h"

@@ -1,4 +1,4 @@
-// What asks for texture space is listed in one place: texture_space_needs().
+// Chooses the engine. texture_space_needs() is the only list of options that need texture space.
 #include "compute/choice.h"
 
 #include <vector>
@@ -45,7 +45,7 @@ void take_engine(Mesh &mesh, const pdesc_options &options) {
   mesh.session = engine->open_session();
 }
 
-// What of texture space an engine goes without; the reference leaves options of sampling aside.
+// Refuses options that need texture space on engines without it. The reference ignores options of sampling instead.
 static void refuse_without_texture_space(const Mesh &mesh, const pdesc_options &options) {
   const std::string needs = texture_space_needs(options);
   if (mesh.engine->backend() == PDESC_BACKEND_REFERENCE || needs.empty()) return;

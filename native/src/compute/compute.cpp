@@ -1,5 +1,5 @@
-// The spine: normals → the engine's samples, neighborhoods and sums → a value at every vertex. compute_on_engine() is its table
-// of contents.
+// The spine: normals → the engine's samples, neighborhoods and sums → a value at every vertex. Read compute_on_engine() as the
+// table of contents.
 #include "compute/compute.h"
 
 #include <string>
@@ -107,7 +107,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   return field;
 }
 
-// Whether the device failed, and not the input or the caller's patience.
+// Whether the device failed, as opposed to bad input or a caller who cancelled.
 static bool is_of_device(const Error &error) {
   return error.status() == PDESC_ERROR_UNSUPPORTED || error.status() == PDESC_ERROR_OUT_OF_MEMORY ||
          error.status() == PDESC_ERROR_DEVICE_LOST || error.status() == PDESC_ERROR_UNKNOWN;
@@ -122,7 +122,7 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> des
     take_engine(mesh, options);
     return compute_on_engine(mesh, options, descriptors, progress);
   } catch (const Error &error) {
-    if (is_of_device(error)) mesh.session.reset(); // half of it may be missing
+    if (is_of_device(error)) mesh.session.reset(); // it may be half made
     throw;
   }
 }

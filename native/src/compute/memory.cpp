@@ -1,5 +1,5 @@
-// What arrays there are, times their lengths. The factors are those of `tests/bench/memory.py`, which prints how far a peak is
-// from what is expected here.
+// Forecasts memory from the lengths of arrays. The factors agree with `tests/bench/memory.py`, which prints how far a peak is
+// from this forecast.
 #include "compute/memory.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ int64_t bytes_of_input(const pdesc_mesh_input &input) {
   const int64_t triangles = std::max(input.triangle_count, 0), vertices = std::max(input.vertex_count, 0);
   const int64_t edges = std::max(input.sharp_edge_count, 0);
   int64_t a_triangle = 224;               // corners, half-edges, charts, and lists of edges while these are found
-  if (input.corner_uvs) a_triangle += 60; // as given, and in the unit square
+  if (input.corner_uvs) a_triangle += 60; // as given, and mapped into the unit square
   if (input.corner_normals) a_triangle += 36;
   return triangles * a_triangle + vertices * 80 + edges * 8;
 }
@@ -26,7 +26,7 @@ template <class... Lists> static int64_t bytes(const Lists &...lists) {
   return static_cast<int64_t>(((lists.capacity() * sizeof(lists[0])) + ...));
 }
 
-// Given, in the unit square, and in the layout; most are the same array.
+// UVs as given, in the unit square, and in the layout; they usually share one array.
 static int64_t bytes_of_uvs(const Triangles &t, const Charts &c) {
   const int64_t one = static_cast<int64_t>(t.input_uv.size() * sizeof(vec2));
   return one * (1 + (t.corner_uv.begin() != t.input_uv.begin()) + (c.corner_uv.begin() != t.corner_uv.begin()));
@@ -42,8 +42,8 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
          bytes(mesh.steady_normals, c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.borders);
 }
 
-// About how many disks of the radius have the surface's area, if that is a sphere's of the same extent; 0 for a radius that no
-// computation accepts.
+// Roughly how many disks of the radius cover the surface's area, taking it for a sphere of the same extent; 0 for a radius that
+// no computation accepts.
 static double disks_of(const Mesh &mesh, const pdesc_options &options) {
   const double part = requested_radius(mesh, options) / mesh.extent.diagonal;
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;

@@ -1,4 +1,4 @@
-// Counts and options → the bytes that a mesh and its computations take at their peak, known before any of that is allocated.
+// Counts and options → the bytes that a mesh and its computations take at their peak, before anything is allocated.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace paradesc {
 
-// While a mesh is made of it, beside the caller's arrays.
+// Peak bytes while a mesh is made from this input, in addition to the caller's arrays.
 int64_t bytes_of_input(const pdesc_mesh_input &input);
 
 // backend: any but AUTO.
 MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors);
 
-// Throws what a mesh or a computation is too large for.
+// Throw Error if a mesh or a computation is too large for the memory limit.
 void check_memory_of_input(const Context &context, const pdesc_mesh_input &input);
 void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors);
 

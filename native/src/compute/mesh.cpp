@@ -1,4 +1,4 @@
-// Checks first, topology next; what depends on positions alone is measured again when they change.
+// Checks first, topology next; everything that depends on positions is measured again when they change.
 #include "compute/mesh.h"
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace paradesc {
 
-// The mesh and its UV map as they were given.
+// Describes the mesh and its UV map as they were given.
 static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts) {
   pdesc_mesh_report report{};
   report.vertex_count = triangles.vertex_count;
@@ -88,7 +88,7 @@ double requested_radius(const Mesh &mesh, const pdesc_options &options) {
   return options.radius * unit;
 }
 
-// In the array of the frame before: a new one would take as long to get.
+// Reuses the previous frame's array: allocating a new one would cost as much as filling it.
 static std::span<const vec3> steady_normals_of(Mesh &mesh) {
   if (mesh.steady_version != mesh.positions_version) {
     mesh.steady_normals.resize(static_cast<size_t>(mesh.triangles.triangle_count));
@@ -117,7 +117,7 @@ static const NormalRings &rings_of(Mesh &mesh, const Creases &creases) {
   return *mesh.rings;
 }
 
-// Before a mesh has moved, rings would be made for this once.
+// Rings pay off only from the second frame on, so a mesh that has never moved gets none.
 static Normals make_normals(Mesh &mesh, const Creases &creases, int32_t kind) {
   const int threads = mesh.context->threads;
   const bool once = kind == PDESC_NORMALS_MESH || (mesh.positions_version == 0 && !mesh.rings);

@@ -1,4 +1,4 @@
-// The caller's arrays → a mesh: its topology, its layout, and what an engine keeps of it between computations.
+// The caller's arrays → a mesh: its topology, its layout, and an engine's session for it.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace paradesc {
 
-// The positions' version, pixels along the sides of the largest map, and the radius.
+// The positions' version, the width and height of the largest map in pixels, and the radius.
 using DivisionKey = std::tuple<uint64_t, int, int, double>;
 
 struct Mesh {
@@ -28,30 +28,30 @@ struct Mesh {
   SurfaceMaps maps;
   Extent extent;
   uint64_t positions_version = 0;
-  pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
+  pdesc_mesh_report found{}; // defects of the mesh and its UV map as given
 
-  // Stages that every engine reads, made when first asked for.
+  // Stages that every engine reads, computed on first use.
   mutable Keyed<uint64_t, double> mean_edge;                              // by the positions' version
   std::vector<vec3> steady_normals;                                       // of faces
-  uint64_t steady_version = ~uint64_t{0};                                 // of the positions that they are of
+  uint64_t steady_version = ~uint64_t{0};                                 // version of the positions that they belong to
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
   Keyed<std::array<uint64_t, 3>, Facets> facets;   // by the normals' key
   uint64_t rings_version = 1;                      // differs whenever creases do; 0: normals that have no rings
-  std::vector<int32_t> normals_end_at;             // Creases::edges that the rings' version is of
-  std::optional<NormalRings> rings;                // if they are kept
+  std::vector<int32_t> normals_end_at;             // Creases::edges of the rings' version
+  std::optional<NormalRings> rings;                // empty if no rings are kept
 
-  // For engines that do not follow the maps.
+  // For engines that do not follow surface maps.
   Keyed<DivisionKey, DivisionPlan> division_plan;
-  Keyed<DivisionPlan, Division> division; // which may stay where positions have changed
+  Keyed<DivisionPlan, Division> division; // may stay valid when positions change
   Keyed<std::tuple<uint64_t, std::array<uint64_t, 3>, int>, RefinedSurface>
       refined;            // by the number of divisions, the normals' key and the maps' version
-  uint64_t divisions = 0; // that were made so far
+  uint64_t divisions = 0; // number of divisions made so far
 
-  std::shared_ptr<Engine> engine; // the session's, which may be another than the context's
+  std::shared_ptr<Engine> engine; // the session's, which may differ from the context's
   std::unique_ptr<Session> session;
-  int64_t memory_held = 0; // bytes, about, that the mesh and its session keep for the next computation
+  int64_t memory_held = 0; // approximate bytes that the mesh and its session keep for the next computation
 
   Mesh() = default;
   Mesh(const Mesh &) = delete;
@@ -63,15 +63,15 @@ void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
 double mean_edge_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
-const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
+const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // where normals end
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);
 const Facets &facets_of(Mesh &mesh, const pdesc_options &options);
 
-// As Session::read_buffer and buffer_size.
+// See Session::read_buffer and Session::buffer_size.
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
 int buffer_size(const Mesh &mesh);
 
-// Throws Error(UNSUPPORTED) for more triangles than an engine of these abilities takes.
+// Throws Error(UNSUPPORTED) if an engine of these abilities cannot take this many triangles.
 void check_triangle_count(const Abilities &abilities, int32_t triangles);
 
 } // namespace paradesc

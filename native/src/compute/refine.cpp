@@ -1,6 +1,6 @@
-// Lengths of edges → plan → pieces → points and normals. The plan depends on where the mesh's vertices are, and on how large the
-// images are; the pieces on the plan, which many a frame shares with the one before; what is in the images counts for the last
-// stage alone.
+// Lengths of edges → plan → pieces → points and normals. The plan depends on the mesh's positions and on the sizes of the images;
+// the pieces depend only on the plan, which frames often share with the previous one; the images' contents matter only in the
+// last stage.
 #include "compute/refine.h"
 
 #include "bake/refined_surface.h"
