@@ -1,4 +1,4 @@
-// Charts → the vertices of the bake: what one texel interpolates between. Depends on topology, and on which corners share a
+// Charts → the vertices of the bake, between which texels are interpolated. Depends on topology, and on which corners share a
 // normal.
 #pragma once
 
@@ -12,9 +12,9 @@ namespace paradesc {
 
 // A vertex of the bake stands for the corners of one wedge that share a normal.
 struct BakeVertices {
-  std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
+  std::vector<int32_t> corner; // (bake vertices) one of its corners
   std::vector<int32_t> group;  // (bake vertices) as Normals::group
-  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
+  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; 0 for triangles on no chart
 };
 
 // corner_group: corners of one wedge with the same group share a normal; empty: none do.

@@ -1,6 +1,6 @@
 // Positions and UVs → the metric of the parameterization: E, F, G and area element of each triangle (paper eq. 1), and the
-// sampling ellipse of each wedge (paper 3.4). In buffer units: the bounding box's center is the origin, its longest half side
-// is 1.
+// sampling ellipse of each wedge (paper 3.4). All are in buffer units: the bounding box's center is the origin, and its longest
+// half side is 1.
 #pragma once
 
 #include <vector>
@@ -22,9 +22,9 @@ BakeSpace bake_space_of(const Box &box);
 // E, F, G, |P_u x P_v| of a triangle on a chart.
 vec4 form_of(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space, size_t triangle);
 
-// (wedges) columns of the 2x2 map from the unit disk to (u, v) offsets, for radius 1: the square root of the mean inverse metric
-// over the triangles at the wedge, weighted by their angle there. step: only every step-th wedge gets one. corners: the corners
-// of these wedges, see corners_of_wedges.
+// (wedges) columns of the 2x2 map from the unit disk to (u, v) offsets for radius 1: the square root of the mean inverse metric
+// over the triangles at the wedge, weighted by their angle there. step: only every step-th wedge gets an ellipse. corners: the
+// corners of these wedges, see corners_of_wedges.
 std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space,
                                     const std::vector<int32_t> &corners, size_t step = 1);
 // The corners of every step-th wedge.

@@ -1,4 +1,4 @@
-// Places of a division → where the maps take them, each fan by itself → points, and their normals.
+// Places of a division → displaced places, for each fan by itself → points and their normals.
 #include "bake/refined_surface.h"
 
 #include <algorithm>
@@ -35,10 +35,10 @@ MeasureTriangle measure_of_maps(const SurfaceMaps &maps, const Triangles &triang
 
 namespace {
 
-// Where each triangle takes its fans.
+// Positions and normals of fans as each triangle displaces them.
 struct MovedFans {
   std::vector<vec3> normal;   // (fans)
-  std::vector<vec3> position; // (fans) buffer units; of the corners of triangles: not set
+  std::vector<vec3> position; // (fans) buffer units; not set at corners of triangles
 };
 
 } // namespace
@@ -76,7 +76,7 @@ static vec3 unit_or(vec3 v, vec3 otherwise) {
 
 namespace {
 
-// Points of a surface that is being made.
+// Points of the surface under construction.
 struct Points {
   std::vector<vec3> position; // buffer units
   std::vector<vec3> normal;
@@ -84,7 +84,7 @@ struct Points {
 
 } // namespace
 
-// Between the two triangles of an edge, each of which has half of the angle around the point.
+// Places points on an edge: the mean of its two triangles, each of which has half of the angle around the point.
 static void place_points_of_edges(const HalfEdges &half_edges, const Division &division, const MovedFans &fans, Points &points) {
   const DivisionPlan &plan = division.plan;
   for (int32_t h = 0; h < static_cast<int32_t>(plan.halvings.size()); ++h) {
@@ -104,8 +104,8 @@ static void place_points_of_edges(const HalfEdges &half_edges, const Division &d
 }
 
 static void check_bounds(const std::vector<vec3> &positions, const std::vector<vec3> &normals) {
-  constexpr float largest = 1e18f;      // as of positions that are given
-  const auto lies_within = [](vec3 v) { // which what is no number does not
+  constexpr float largest = 1e18f;      // limit of input positions
+  const auto lies_within = [](vec3 v) { // false for NaN
     return std::abs(v.x) <= largest && std::abs(v.y) <= largest && std::abs(v.z) <= largest;
   };
   const auto is_unit = [](vec3 v) { return std::abs(dot(v, v) - 1.0f) < 0.01f || v == vec3(0.0f); };

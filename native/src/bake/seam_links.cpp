@@ -1,4 +1,4 @@
-// Two triangles that share a seam edge in space → the map from (u, v) of one to (u, v) of the other.
+// Two triangles that share a seam edge in space → the map from (u, v) of the one to (u, v) of the other.
 #include "bake/seam_links.h"
 
 #include <cmath>
@@ -16,8 +16,8 @@ std::pair<int, int> border_ends(const Charts &charts, const Border &border) {
   return left ? std::pair(a, b) : std::pair(b, a);
 }
 
-// Columns: the shared edge and the third corner of a triangle, from corner `first`, in a plane whose x axis runs along the edge
-// and in which the third corner has the sign of `side`.
+// The matrix whose columns are the shared edge and the vector to the third corner, both from corner `first`, in a plane whose x
+// axis runs along the edge. The third corner's y coordinate has the sign of `side`.
 static dmat2 unfold(const Triangles &triangles, int first, int second, int third, double side) {
   const dvec3 edge = position_of(triangles, second) - position_of(triangles, first);
   const dvec3 spoke = position_of(triangles, third) - position_of(triangles, first);

@@ -1,8 +1,8 @@
-// Seam edges → the affine map M_e of each: t' = M_e t carries a (u, v) of one chart over the edge into the twin's chart.
+// Seam edges → the affine map M_e of each: t' = M_e t carries a (u, v) of one chart across the edge into the twin's chart.
 //
-// To first order the map across one seam edge is fixed: unfold the far triangle into the near one's plane; the edge's two end
-// points and isometry across it give M_e. It replaces the paper's eq. (2) and (3), whose scale is upside down and ignores
-// theta_e.
+// To first order the map across one seam edge is unique: unfold the far triangle into the near one's plane; the edge's two end
+// points and isometry across the edge give M_e. This map replaces the paper's eq. (2) and (3), whose scale is inverted and which
+// ignore theta_e.
 #pragma once
 
 #include <utility>
@@ -16,7 +16,7 @@ namespace paradesc {
 // The corners at the ends of a border, ordered so that its chart lies on the left of the way from the first to the second.
 std::pair<int, int> border_ends(const Charts &charts, const Border &border);
 
-// Two vec4 a border: the linear part's columns; the image of the first end, the twin (or -1 - kind), the twin's chart.
+// Two vec4 per border: the linear part's columns; the image of the first end, the twin (or -1 - kind), the twin's chart.
 std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts);
 
 } // namespace paradesc

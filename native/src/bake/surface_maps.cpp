@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// ---- What the caller gives
+// ---- The caller's images
 
 static void check_image(const Triangles &triangles, const char *name, int32_t width, int32_t height) {
   if (triangles.input_uv.empty())
@@ -101,19 +101,19 @@ static vec3 look_up_height(const Displacement &map, vec2 uv) {
 
 namespace {
 
-// The formulas, which shaders are compiled from as well.
+// The formulas, which are compiled into shaders as well.
 struct Text {
 #include "kernel/displace.glsl"
 };
 
-// A triangle as the maps see it: of corner 0, and the differences of corners 1 and 2 to it.
+// A triangle as the maps see it: the values of corner 0, and the differences of corners 1 and 2 from these.
 struct Patch {
   vec3 position, edge1, edge2;
   vec3 normal, turn1, turn2;
   vec2 uv, way1, way2;
 };
 
-// A surface point, and the two edges of its triangle, which move with it.
+// A surface point, and the two edges of its triangle after displacement.
 struct MovedPoint {
   SurfacePoint point;
   vec3 edge1, edge2;
@@ -174,8 +174,8 @@ SurfacePoint DisplacedSurface::at(int triangle, float a, float b) const {
   return point;
 }
 
-// The largest factor by which lengths in the plane of the edges shrink: the inverse root of the smaller eigenvalue of one metric
-// relative to the other.
+// The largest factor by which lengths in the plane of the edges shrink: the inverse root of the smaller eigenvalue of the second
+// metric relative to the first.
 static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   const dvec3 before(dot(a1, a1), dot(a1, a2), dot(a2, a2)), after(dot(b1, b1), dot(b1, b2), dot(b2, b2));
   const double determinant = before.x * before.z - before.y * before.y;
@@ -183,7 +183,7 @@ static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   const double trace = (before.z * after.x - 2.0 * before.y * after.y + before.x * after.z) / determinant;
   const double product = (after.x * after.z - after.y * after.y) / determinant;
   const double smaller = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * product, 0.0)));
-  if (std::isnan(smaller)) return 1.0f; // of lengths whose squares no float holds
+  if (std::isnan(smaller)) return 1.0f; // squared lengths overflow a float
   return static_cast<float>(1.0 / std::sqrt(std::max(smaller, 1.0 / 16.0)));
 }
 
@@ -209,7 +209,7 @@ SurfacePoint DisplacedSurface::at_corner(int corner, vec3 normal, float &shrinka
 
 // ---- Points
 
-// Not the maximum: at creases and slivers of real meshes the turn of the normals would make that any number.
+// The 99th percentile instead of the maximum, which creases and slivers of real meshes make arbitrarily large.
 static float percentile_99(std::vector<float> &shrinkage) {
   const auto percentile = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() * 99 / 100);
   std::nth_element(shrinkage.begin(), percentile, shrinkage.end());

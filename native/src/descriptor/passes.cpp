@@ -1,4 +1,4 @@
-// Rows by what they need → passes; a pass' values → the map that the next one reads.
+// Rows grouped by their needs → passes; the values of one pass → the map that the next one reads.
 #include "descriptor/passes.h"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ struct Done {
 
 } // namespace
 
-// Copies what a pass computed of the map itself into it.
+// Copies the map's values or gradients, if a pass computed them, into the map.
 static void update_map(const Done &done, int map_row, size_t points, MapValues &map) {
   if (done.pass.stage == Stage::source) {
     for (const float f : at_points(done.results, *done.find(map_row), 1, points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);

@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-// An operator reads of a map f: its values within the radius, its values within a Gaussian window, or its gradients there.
+// The part of a map f that an operator reads: values within the radius, values within a Gaussian window, or gradients there.
 enum class MapNeeds { nothing, value, window, gradient };
 
 struct DescriptorRow {
@@ -21,15 +21,15 @@ struct DescriptorRow {
   double display_minimum;
   double display_maximum;
   int components;
-  const char *terms;  // what its kernel adds up: names of files in shaders/kernel/terms
-  int map_degree = 0; // the unit has that of the map to this power; 0: not an operator
+  const char *terms;  // the sums of its kernel: names of files in shaders/kernel/terms
+  int map_degree = 0; // the unit contains the map's unit to this power; 0: not an operator
   MapNeeds needs = MapNeeds::nothing;
 };
 
 // Descriptors of the surface, then operators on a map of one of them.
 std::span<const DescriptorRow> descriptors();
 
-// Any row, that of the map's gradient included, which is not for callers.
+// The row of any index, including the map's gradient, which callers cannot request.
 const DescriptorRow &descriptor_row(int index);
 int gradient_row();
 
@@ -37,7 +37,7 @@ int gradient_row();
 std::vector<std::string> all_terms();
 bool uses_terms(int row, std::string_view terms);
 
-// Index of a row. Throws Error(INVALID_ARGUMENT) that lists the names there are.
+// Index of a row. Throws Error(INVALID_ARGUMENT) that lists the available names.
 int find_descriptor(const char *name);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Results of some centers, fewer of them, or those of others as well.
+// Makes, shortens and joins results.
 #include "descriptor/results.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Values at the centers of evaluation (wedges, texels, or points of the reference), before they go to vertices or texels.
+// Values at the centers of evaluation (wedges, texels, or points of the reference), before they are gathered to vertices.
 #pragma once
 
 #include <cmath>
@@ -17,19 +17,19 @@ struct CenterResults {
   std::vector<uint8_t> boundary;          // (centers)
 };
 
-// A value in another unit, which may be beyond what a float holds where the value is not: 0 stays 0.
+// Converts a value to another unit, whose factor may overflow or underflow a float even if the product does not. 0 stays 0.
 inline float in_unit(float value, double unit) {
   const auto rounded = static_cast<float>(unit);
   return std::isnormal(rounded) ? value * rounded : static_cast<float>(value * unit);
 }
 
-// Results of every point as its own only center, all of whose surface was found; values and boundary are left to the caller.
+// Results with each point as its own only center and full coverage. The caller fills in values and boundary.
 CenterResults results_at_points(int point_count);
 
-// Leaves the first ones. rows: of the registry, that the values are of.
+// Keeps only the first `count` centers. rows: the registry rows of the values.
 void keep_centers(CenterResults &results, size_t count, std::span<const int> rows);
 
-// Adds the results of further centers.
+// Appends the results of further centers.
 void append(CenterResults &all, CenterResults &&part);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Values at some places → the value between them. What is not finite leaves its share to the others.
+// Values at some places → the value between them. Non-finite values are skipped, and the remaining weights are renormalized.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +8,11 @@
 
 namespace paradesc {
 
-// A value that has room for so many components.
+// A value with room for Width components.
 template <size_t Width> using Value = std::array<double, Width>;
 
-// The mean of some values of up to Width components, floats one after another, of those that are defined; NaN where none is.
-// Directions have no sign, and their mean is a unit vector.
+// The weighted mean of those values that are defined, each of up to Width consecutive floats; NaN if none is defined. Directions
+// have no sign, and their mean is a unit vector.
 template <size_t Width, size_t Count>
 Value<Width> blended(const std::array<const float *, Count> &values, std::array<double, Count> weights, int components,
                      bool directions) {

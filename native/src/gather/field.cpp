@@ -14,8 +14,8 @@ namespace paradesc {
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 static constexpr int block = 16384; // of vertices
 
-// The largest less the smallest value over the centers of each point; NaN where a point has one center, infinity where the value
-// exists at some centers only.
+// The range of values over the centers of each point; NaN if a point has one center, infinity if the value exists at some of its
+// centers only.
 static std::vector<float> spread(const CenterResults &results, const std::vector<float> &values, size_t points) {
   struct Range {
     float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
@@ -40,7 +40,7 @@ static std::vector<float> spread(const CenterResults &results, const std::vector
   return result;
 }
 
-// The same for directions, which have two signs: the angle between that at each center and that at the first one of its point.
+// The same for directions, which have two signs: the angle between each center's direction and that of its point's first center.
 static std::vector<float> angles(const CenterResults &results, const std::vector<float> &values, size_t points) {
   std::vector<int32_t> first(points, -1);
   std::vector<float> result(results.point.size(), nan);
@@ -60,8 +60,8 @@ static std::vector<float> at_vertices(const HalfEdges &half_edges, const std::ve
   return vertices;
 }
 
-// rows: (vertices) which row each has; -1: none. NaN where a value is no finite number: it is more than a float holds, as the
-// volume of a huge sphere.
+// rows: (vertices) the row of each vertex; -1: none. Infinite values become NaN: they overflow a float, such as the volume of a
+// huge sphere.
 static std::vector<float> pick(const std::vector<int32_t> &rows, const std::vector<float> &values, size_t width, int threads) {
   std::vector<float> picked(rows.size() * width, nan);
   parallel_blocks(static_cast<int>(rows.size()), threads, block, [&](int begin, int end) {
@@ -97,11 +97,11 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   };
   const size_t vertices = field.mask.size();
   std::vector<Counts> parts((vertices + block - 1) / block);
-  std::vector<std::pair<const float *, size_t>> rows; // without coverage: values, and how many a vertex has
+  std::vector<std::pair<const float *, size_t>> rows; // all rows but coverage: values, and their number per vertex
   for (size_t row = 0; vertices > 0 && row + 1 < field.values.size(); ++row)
     rows.emplace_back(field.values[row].data(), field.values[row].size() / vertices);
   parallel_blocks(static_cast<int>(vertices), threads, block, [&](int begin, int end) {
-    Counts part; // of its own: neighbors in parts share cache lines
+    Counts part; // local, because neighbors in parts share cache lines
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       part.boundary += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
       part.low += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;

@@ -1,4 +1,4 @@
-// Ring by ring: a step reads only texels that were defined before it and writes only others, so rows can be filled in any order.
+// Fills ring by ring: a step reads only texels defined before it and writes only undefined ones, so rows can go in any order.
 #include "gather/gutter.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int rows_at_once = 16;
 
-// Which texels are defined, with a border of texels that are not.
+// Flags of the defined texels, with a border of undefined texels around the image.
 class Defined {
 public:
   explicit Defined(ImageShape shape) : stride_(shape.width + 2), flags_(stride_ * (shape.height + 2)) {}
@@ -37,7 +37,7 @@ struct Image {
   float *texel(int x, int y) const { return values + (y * shape.width + x) * shape.components; }
 };
 
-// 1 for the undefined texels of a row that have a defined neighbor.
+// Sets ring to 1 for the undefined texels of a row that have a defined neighbor.
 void find_ring(const Defined &defined, int y, int width, std::vector<uint8_t> &beside, std::vector<uint8_t> &ring) {
   const uint8_t *below = defined.row(y - 1) - 1, *here = defined.row(y) - 1, *above = defined.row(y + 1) - 1;
   for (int x = 0; x < width + 2; ++x) beside[x] = below[x] | here[x] | above[x];

@@ -1,4 +1,4 @@
-// An image that is undefined off the surface → one whose values go on around every chart, for lookups that blend texels.
+// An image that is undefined off the surface → one whose values extend around every chart, for lookups that blend texels.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@ struct ImageShape {
   int width = 0, height = 0, components = 0;
 };
 
-// Fills undefined texels in rings, one a step, by the mean of the defined ones among their eight neighbors; what is undefined
-// then becomes 0. A texel is undefined where one of its components is not finite.
+// Fills undefined texels in rings, one per step, with the mean of the defined ones among their eight neighbors; texels that
+// remain undefined become 0. A texel is undefined if one of its components is not finite.
 void fill_gutter(std::span<float> image, ImageShape shape, int steps, int threads);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Rays from one surface → where they meet another, and its values there. By processor alone: every backend and system has it.
+// Rays from one surface → the points where they meet another, and its values there. Uses the processor alone, on every system.
 #pragma once
 
 #include <span>
@@ -7,11 +7,11 @@
 
 namespace paradesc {
 
-// What the input says, which has been checked: a triangle and three weights for each ray. Throws Error(CANCELLED) where the
-// input's progress says stop.
+// Casts the rays of a checked input: writes a triangle and three weights for each ray. Throws Error(CANCELLED) if the input's
+// progress callback cancels.
 void cast_rays(const pdesc_rays_input &input, std::span<int32_t> triangles, std::span<float> weights);
 
-// The values there; triangles have been checked.
+// Interpolates values at the hits; triangles must have been checked.
 void values_met(const pdesc_rays_input &input, const int32_t *triangles, const float *weights, const float *values,
                 int components, float *met);
 

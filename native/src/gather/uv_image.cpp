@@ -1,8 +1,8 @@
-// Bands of rows, each on its own: first which triangle every texel shows, then its value. Texels that show one already are passed
-// over at once, so the time follows what is seen of the map, and not how often it repeats.
+// Draws bands of rows, each on its own: first finds which triangle every texel shows, then its value. Texels that already show
+// one are skipped, so the time depends on the visible part of the map, not on how often it repeats.
 //
-// All numbers are doubles, and each sum is taken in the order in which it stands here: the build keeps the compiler from fusing
-// products into sums (CMakeLists.txt), so an image has the same bits on every machine.
+// All numbers are doubles, and sums are taken in the order written here: the build keeps the compiler from fusing products into
+// sums (CMakeLists.txt), so an image has the same bits on every machine.
 #include "gather/uv_image.h"
 
 #include <algorithm>
@@ -22,18 +22,18 @@
 namespace paradesc {
 namespace {
 
-constexpr int max_tiles = 16; // along either axis of the UV plane, that one triangle is drawn on
+constexpr int max_tiles = 16; // tiles of the UV plane along either axis that one triangle may cover
 constexpr int band_rows = 64;
-constexpr int many_columns = 256; // texels of a row that take long enough to ask whether to go on
+constexpr int many_columns = 256; // texels of a row between two checks for cancelling
 
 struct Point {
   double x, y;
 };
 using Corners = std::array<Point, 3>;
 using Weights = std::array<double, 3>;
-constexpr size_t few = 3, most = most_components; // components that a value has room for: less is faster
+constexpr size_t few = 3, most = most_components; // capacities of a value in components: the smaller one is faster
 
-// A triangle in the UV plane, and the whole tiles that it meets.
+// A triangle in the UV plane, and the whole tiles that it covers.
 struct Tiled {
   Corners uvs;
   Point low; // the corner of its first tile
@@ -59,7 +59,7 @@ Tiled tiled(const pdesc_uv_image_input &input, int triangle) {
   return found;
 }
 
-// The corners in texels of the image, as one of its tiles shows the triangle.
+// The corners in texels of the image, relative to one of the triangle's tiles.
 Corners on_tile(const Tiled &triangle, int tile, double size) {
   const double left = tile % triangle.columns + triangle.low.x, bottom = tile / triangle.columns + triangle.low.y;
   Corners corners;
@@ -67,7 +67,7 @@ Corners on_tile(const Tiled &triangle, int tile, double size) {
   return corners;
 }
 
-// The texels, first to last, whose centers lie between two coordinates; none where last is less.
+// The texels, first to last, whose centers lie between two coordinates; last < first if there are none.
 struct Range {
   int first, last;
 };
@@ -93,7 +93,7 @@ struct Interval {
   double low, high;
 };
 
-// A triangle grown by all that rounding may add to it in weights_at().
+// A triangle, enlarged by the largest rounding error of weights_at().
 class Outline {
 public:
   explicit Outline(const Corners &corners) : corners_(corners) {
@@ -104,15 +104,14 @@ public:
       longest = std::max(longest, length);
       shortest = std::min(shortest, length);
     }
-    // A cross product is rounded by some 2^-51 of the square of the longest side, which is so much of a distance from the
-    // shortest.
+    // A cross product is off by some 2^-51 of the longest side squared; divided by the shortest side, that is a distance.
     margin_ = 0.01 + 0x1p-48 * longest * longest / shortest;
   }
 
-  // A triangle with two corners in one place, or one that is not finite, has no texel.
+  // False for a triangle with two corners in one place, or one that is not finite: it has no texels.
   bool can_show() const { return std::isfinite(margin_); }
 
-  // Between which coordinates a row's texels may lie in the triangle; none where low is above high.
+  // The coordinates between which a row's texels may lie in the triangle; low > high if there are none.
   Interval columns_at(int row) const {
     const double low = row + 0.5 - margin_, high = row + 0.5 + margin_;
     Interval found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -120,7 +119,7 @@ public:
       Point a = corners_[i], b = corners_[(i + 1) % 3];
       if (a.y > b.y) std::swap(a, b);
       if (b.y < low || a.y > high) continue;
-      const double slope = (b.x - a.x) / (b.y - a.y); // of an edge that crosses a line: its ends are not level
+      const double slope = (b.x - a.x) / (b.y - a.y); // the edge crosses a line, so its ends are not level
       for (const double x : {a.y < low ? a.x + (low - a.y) * slope : a.x, b.y > high ? a.x + (high - a.y) * slope : b.x}) {
         found.low = std::min(found.low, x - margin_);
         found.high = std::max(found.high, x + margin_);
@@ -134,7 +133,7 @@ private:
   double margin_;
 };
 
-// Barycentric weights of a texel's center in a triangle of either winding, where it lies in it; its border belongs to it.
+// Barycentric weights of a texel's center in a triangle of either winding, if the center lies in it or on its border.
 std::optional<Weights> weights_at(const Corners &corners, int column, int row) {
   const Point center{column + 0.5, row + 0.5};
   Corners from;
@@ -155,14 +154,14 @@ template <size_t Width> Value<Width> from_corners(const pdesc_uv_image_input &in
   return blended<Width>(values, weights, input.components, has_directions(input));
 }
 
-// The map's value at the same position of its own layout, bilinear; NaN where the map is undefined around it.
+// The map's value at the same place of the triangle, bilinear; NaN where the map is undefined around it.
 template <size_t Width> Value<Width> from_map(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
   const float *uv = input.map_uvs + size_t{6} * triangle;
   const double size = input.map_size;
   const double x = (uv[0] * weights[0] + uv[2] * weights[1] + uv[4] * weights[2]) * size - 0.5;
   const double y = (uv[1] * weights[0] + uv[3] * weights[1] + uv[5] * weights[2]) * size - 0.5;
-  const bool near = x > -2.0 && y > -2.0 && x < size + 1.0 && y < size + 1.0; // or NaN
-  // At a texel's own center, which rounding may miss, only that texel counts.
+  const bool near = x > -2.0 && y > -2.0 && x < size + 1.0 && y < size + 1.0; // false for NaN
+  // At a texel's own center only that texel counts; the tolerance allows for rounding.
   const double left = near ? std::floor(x + 1e-4) : -2.0, bottom = near ? std::floor(y + 1e-4) : -2.0;
   const double right_share = std::clamp(x - left, 0.0, 1.0), upper_share = std::clamp(y - bottom, 0.0, 1.0);
   std::array<const float *, 4> values;
@@ -177,7 +176,7 @@ template <size_t Width> Value<Width> from_map(const pdesc_uv_image_input &input,
   return blended<Width>(values, shares, input.components, has_directions(input));
 }
 
-// Some rows of the image: which triangle each of their texels shows, on which of its tiles, and the values there.
+// Some rows of the image: the triangle that each of their texels shows, on which of its tiles, and the values there.
 class Band {
 public:
   Band(const pdesc_uv_image_input &input, Range rows)
@@ -188,7 +187,8 @@ public:
 
   bool is_full() const { return bare_ == 0; }
 
-  // Must be called for the last triangle first: the first caller keeps its texels, and so does the last tile of each.
+  // Must be called for the last triangle first, because the first caller keeps its texels; likewise for the tiles of each
+  // triangle.
   void claim(int triangle) {
     const Tiled uv = tiled(input_, triangle);
     for (int tiles = uv.rows - 1; tiles >= 0; --tiles) {
@@ -202,7 +202,7 @@ public:
     }
   }
 
-  // image: the first texel of the first of the rows.
+  // image: the first texel of the band's first row.
   template <size_t Width> void draw(float *image) {
     int triangle = none, tile = none;
     Tiled uv{};
@@ -232,14 +232,14 @@ private:
 
   size_t texel(int row, int column) const { return size_t{1} * (row - rows_.first) * input_.size + column; }
 
-  // The first column from this one on that shows nothing yet; size where there is none.
+  // The first column from this one on that shows nothing yet; size if there is none.
   int bare_from(int row, int column) {
     int32_t *const next = next_.data() + size_t{1} * (row - rows_.first) * (input_.size + 1);
     while (next[column] != column) column = next[column] = next[next[column]];
     return column;
   }
 
-  // A row of texels on a row of tiles. between: coordinates in texels of the first of these tiles.
+  // Claims a row of texels on a row of tiles. between: coordinates in texels of the first of these tiles.
   void claim(int triangle, const Tiled &uv, int tiles, int row, Interval between) {
     const double size = input_.size;
     const double first = std::max(std::floor(between.low / size), 0.0), last = std::min(between.high / size, uv.columns - 1.0);
@@ -277,11 +277,11 @@ private:
   size_t bare_;                // texels that show nothing yet
   std::vector<int32_t> shown_; // (rows, size)
   std::vector<uint8_t> tile_;  // (rows, size)
-  std::vector<int32_t> next_;  // (rows, size + 1) a column's own number, or one that is nearer to the next bare column
+  std::vector<int32_t> next_;  // (rows, size + 1) a column's own number, or one nearer to the next bare column
 };
 static_assert(max_tiles * max_tiles - 1 <= std::numeric_limits<uint8_t>::max());
 
-// (triangle_count) the rows that each triangle may show up in.
+// (triangle_count) the rows in which each triangle may appear.
 std::vector<Range> rows_of_triangles(const pdesc_uv_image_input &input) {
   std::vector<Range> rows(input.triangle_count);
   parallel_blocks(input.triangle_count, input.threads, 4096, [&](int begin, int end) {

@@ -1,4 +1,4 @@
-// Values at the corners of triangles → a square image over their UVs. By processor alone: every backend and system has it.
+// Values at the corners of triangles → a square image over their UVs. Uses the processor alone, on every system.
 #pragma once
 
 #include <span>
@@ -7,10 +7,10 @@
 
 namespace paradesc {
 
-inline constexpr int most_components = 6; // of a value that is drawn
+inline constexpr int most_components = 6; // of a drawn value
 
-// Draws what the input says, which has been checked, into (size, size, components) floats; throws Error(CANCELLED) where the
-// input's progress says stop. Other threads draw other rows, and what a texel shows depends on itself alone.
+// Draws a checked input into (size, size, components) floats. Throws Error(CANCELLED) if the input's progress callback cancels.
+// Threads draw different rows, and each texel is independent of all others.
 void draw_uv_image(const pdesc_uv_image_input &input, std::span<float> image);
 
 } // namespace paradesc
