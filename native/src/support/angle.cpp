@@ -1,5 +1,5 @@
-// The nearest sixteenth c below or above a slope is left of any angle, by tan(a - atan(c)) = (t - c) / (1 + t c); there the
-// series of the arc tangent ends soon.
+// Subtracts from any slope the nearest sixteenth c, by tan(a - atan(c)) = (t - c) / (1 + t c). The arc tangent's series converges
+// quickly for the remaining slope.
 #include "support/angle.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-// t - t³/3 + t⁵/5 ...; of terms in t up to t^(2 last + 1).
+// t - t³/3 + t⁵/5 ..., up to the term in t^(2 last + 1).
 static constexpr double series(double t, int last) {
   const double square = t * t;
   double sum = 0.0;
@@ -20,7 +20,7 @@ static constexpr double series(double t, int last) {
 
 static constexpr int parts = 16;
 
-// Of 0, 1/16 ... 1, each from the one before it.
+// Arc tangents of 0, 1/16 ... 1, each computed from the one before it.
 static constexpr auto arc_tangents = [] {
   std::array<double, parts + 1> found{};
   for (int k = 1; k <= parts; ++k)
@@ -38,7 +38,7 @@ double angle_of(double y, double x) {
   if (std::isnan(slope)) return slope; // both are infinite
   const int part = static_cast<int>(parts * slope + 0.5);
   const double nearest = part / static_cast<double>(parts);
-  constexpr int last = 4; // what is left is at most 1/32, and 32^-11 / 11 below 1e-17
+  constexpr int last = 4; // the remaining slope is at most 1/32, and 32^-11 / 11 is below 1e-17
   double angle = arc_tangents[static_cast<size_t>(part)] + series((slope - nearest) / (1.0 + slope * nearest), last);
   if (up > across) angle = 0.5 * pi - angle;
   if (x < 0.0) angle = pi - angle;

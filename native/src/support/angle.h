@@ -1,10 +1,9 @@
-// The angle of a direction, with the same bits on every system: the C library's atan2 differs from one to the next in its last
-// bits.
+// The angle of a direction, with the same bits on every system: the last bits of atan2 depend on the C library.
 #pragma once
 
 namespace paradesc {
 
-// In (-pi, pi], from the axis of x to that of y, to some 1e-15; 0 where there is no direction.
+// The angle in (-pi, pi] from the x axis towards the y axis, to some 1e-15; 0 for the zero vector.
 double angle_of(double y, double x);
 
 } // namespace paradesc

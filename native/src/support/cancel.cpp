@@ -1,4 +1,4 @@
-// The scope of each thread, and when its caller is asked.
+// The scope of each thread, and the rule when its caller is asked.
 #include "support/cancel.h"
 
 #include <utility>

@@ -1,4 +1,4 @@
-// A caller's wish to stop reaches any depth of a long computation, on all of its threads, without a parameter through every
+// Lets a caller cancel a long computation at any depth and on all of its threads, without passing a parameter through every
 // function.
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace paradesc {
 
-// The least time between two questions of this thread; tests set it to none, so that every checkpoint asks.
+// The least time between two calls of ask() on this thread; tests set it to zero, so that every checkpoint asks.
 extern thread_local std::chrono::milliseconds cancel_patience;
 
-// While it lives, checkpoint() on the thread that made it calls ask(), not more often than its patience says; ask throws where
-// the caller says stop, and then checkpoint() throws on the other threads of the computation too. Scopes nest: while an inner one
-// lives, it is the one that asks.
+// While a scope lives, checkpoint() on the thread that made it calls ask(), at most as often as the patience allows. ask throws
+// if the caller cancels, and then checkpoint() throws on the other threads of the computation, too. Scopes nest: the innermost
+// one asks.
 class CancelScope {
 public:
   explicit CancelScope(std::function<void()> ask);
@@ -25,7 +25,7 @@ public:
 
   static CancelScope *current(); // of this thread, or null
 
-  // Has another thread take part in a scope; null: in none.
+  // Makes another thread a member of a scope, or of none if it is null.
   class Member {
   public:
     explicit Member(CancelScope *scope);
@@ -48,10 +48,10 @@ private:
   Member member_{this};
 };
 
-// Must be called where nothing is half done: it may throw. It costs next to nothing, and does nothing without a scope.
+// Must be called only where nothing is half done, because it may throw. It is nearly free, and does nothing without a scope.
 void checkpoint();
 
-// In a loop: a checkpoint once in so many steps as take a few milliseconds at most.
+// For loops: a checkpoint every `steps` steps, which should take a few milliseconds at most.
 inline void checkpoint_at(size_t step, size_t steps = 32768) {
   if (step % steps == 0) checkpoint();
 }

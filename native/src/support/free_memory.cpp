@@ -1,4 +1,4 @@
-// /proc/meminfo and the memory limits of control groups, of version 1 and 2, up to the topmost group.
+// Reads /proc/meminfo and the memory limits of control groups, of versions 1 and 2, up to the topmost group.
 #include "support/free_memory.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace paradesc {
 
 #if defined(__linux__)
 
-// The number behind a name, of "name 17" or "name:   17 kB"; -1 where there is none.
+// The number after a name, in "name 17" or "name:   17 kB"; -1 if there is none.
 static int64_t number_behind(const std::string &path, const std::string &name) {
   std::ifstream file(path);
   std::string word;
@@ -30,7 +30,7 @@ static int64_t number_behind(const std::string &path, const std::string &name) {
   return -1;
 }
 
-// -1 where there is no such file, or no limit in it ("max").
+// Reads the only number of a file; -1 if there is no such file, or no limit in it ("max").
 static int64_t number_in(const std::string &path) {
   std::ifstream file(path);
   int64_t number = 0;
@@ -41,7 +41,7 @@ struct GroupFiles {
   const char *limit, *used, *reclaimable; // the last is a name in memory.stat
 };
 
-// The bytes left of the limits of a group and of all groups above it.
+// The least number of bytes left in a group and in all groups above it.
 static int64_t left_in_group(const std::string &folder, std::string group, const GroupFiles &files) {
   int64_t left = std::numeric_limits<int64_t>::max();
   while (true) {
@@ -84,7 +84,7 @@ int64_t free_memory(const std::string &) {
 
 #else
 
-// No portable call says how much is free; macOS compresses and swaps early, so that the whole memory is a fair measure.
+// No portable call reports free memory. macOS compresses and swaps early, so the whole memory is a fair measure.
 int64_t free_memory(const std::string &) {
   const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGESIZE);
   return pages > 0 && bytes > 0 ? int64_t{pages} * bytes : -1;

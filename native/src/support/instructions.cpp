@@ -1,4 +1,4 @@
-// Asked of the processor itself: __builtin_cpu_supports() says no to everything where Zig links it.
+// Queries the processor directly: __builtin_cpu_supports() always returns false when Zig links it.
 #include "support/instructions.h"
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace paradesc {
 
 #if defined(__x86_64__)
-// The system has to keep the wide registers, too.
+// Checks the system, too: it must save the wide registers.
 static Instructions find_instructions() {
   uint32_t a = 0, b = 0, c = 0, d = 0;
   constexpr uint32_t os_keeps_registers = 1u << 27;
@@ -28,7 +28,7 @@ static Instructions find_instructions() { return Instructions::baseline; }
 #endif
 
 Instructions widest_instructions() {
-  static const Instructions found = find_instructions(); // virtual machines take long to answer
+  static const Instructions found = find_instructions(); // kept, because virtual machines answer slowly
   return found;
 }
 

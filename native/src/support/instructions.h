@@ -1,11 +1,11 @@
-// The sets of instructions for which some files are compiled, each under its own name for KERNEL_TARGET.
+// The instruction sets for which some files are compiled, each under its own name for KERNEL_TARGET.
 #pragma once
 
 namespace paradesc {
 
 enum class Instructions { baseline, avx2, avx512 };
 
-// The widest that this processor has.
+// The widest set that this processor has.
 Instructions widest_instructions();
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// The value of one stage, kept under the key of all that it was made from.
+// The value of one stage, stored with the key of everything that it was made from.
 #pragma once
 
 #include <optional>
@@ -6,11 +6,11 @@
 
 namespace paradesc {
 
-// A value is valid for its key alone. While it is made, and after making it has thrown, none is kept: a computation may be
-// cancelled at any time.
+// A value is valid for its key alone. While it is being made, or if making it throws, no value is stored, because a computation
+// may be cancelled at any time.
 template <class Key, class Value> class Keyed {
 public:
-  // The value for this key; make() returns it unless it is kept already.
+  // Returns the value for this key; calls make() unless that value is stored already.
   template <class Make> const Value &get(const Key &key, const Make &make) {
     if (key_ == key) return value_;
     clear();

@@ -1,4 +1,4 @@
-// Which handles are alive: one used after it was destroyed, or as one of another kind, is refused instead of read.
+// The set of live handles: a handle that was destroyed, or is of another kind, is refused instead of read.
 #pragma once
 
 #include <memory>
@@ -7,8 +7,8 @@
 
 namespace paradesc {
 
-// The library's only state of its own, for a handle that is gone cannot say so itself. An address that a new handle of the same
-// kind was given since counts as that one.
+// The library's only global state, because a destroyed handle cannot report that itself. If a new handle of the same kind reuses
+// the address, the old handle counts as the new one.
 class LiveHandles {
 public:
   template <class Handle> Handle *add(std::unique_ptr<Handle> handle) {
@@ -23,7 +23,7 @@ public:
     return found != kinds_.end() && found->second == &kind<Handle>;
   }
 
-  // True for the one caller that may delete it.
+  // Returns true to the one caller that may delete the handle.
   template <class Handle> bool remove(const Handle *handle) {
     const std::lock_guard lock(mutex_);
     const auto found = kinds_.find(handle);

@@ -1,4 +1,4 @@
-// The natural logarithm, with the same bits on every system: the C library's differs from one to the next in its last bits.
+// The natural logarithm, with the same bits on every system: the last bits depend on the C library otherwise.
 #pragma once
 
 #include <bit>
@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-// Of a normal number above 0, to some 1e-16. The series of atanh for what is left of a power of two.
+// The logarithm of a normal number above 0, to some 1e-16: divides by a power of two, and sums the series of atanh for the rest.
 inline double logarithm_of(double x) {
   constexpr double log_of_2 = 0.69314718055994531, root_of_half = 0.70710678118654752;
   constexpr double odd[] = {1.0, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21};
@@ -21,7 +21,7 @@ inline double logarithm_of(double x) {
     --exponent;
   }
   const double t = (rest - 1.0) / (rest + 1.0), square = t * t;
-  double even_terms = 0.0, odd_terms = 0.0; // two chains: processors work at them side by side
+  double even_terms = 0.0, odd_terms = 0.0; // two independent chains, which processors compute in parallel
   for (int k = last; k > 0; k -= 2) {
     even_terms = odd[k] + square * square * even_terms;
     odd_terms = odd[k - 1] + square * square * odd_terms;

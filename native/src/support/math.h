@@ -30,7 +30,7 @@ inline constexpr double pi = 3.14159265358979323846;
 // Twice the signed area of a triangle in the plane.
 inline double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-// A unit vector at a right angle to the unit vector n.
+// A unit vector perpendicular to the unit vector n.
 inline dvec3 tangent_of(dvec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0))); }
 inline vec3 tangent_of(vec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0))); }
 

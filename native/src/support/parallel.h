@@ -1,4 +1,4 @@
-// Loops over cores. Work is handed out in blocks of fixed size, so results do not depend on the number of threads.
+// Loops over cores. Work is distributed in blocks of fixed size, so results do not depend on the number of threads.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ inline int thread_count(int requested) {
   return requested > 0 ? requested : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-// The blocks that [0, count) is cut into, up to the largest count that there is; the last block may be shorter.
+// The blocks into which [0, count) is cut, for any count that an int holds; the last block may be shorter.
 struct Blocks {
   int count, size;
   int number() const { return static_cast<int>((int64_t{count} + size - 1) / size); }
@@ -26,9 +26,9 @@ struct Blocks {
   int end(int block) const { return begin(block + 1); }
 };
 
-// body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is thrown on after all have
-// stopped. Between blocks the caller may cancel, and while it waits for the others' last ones, which end at their next
-// checkpoint.
+// Calls body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is rethrown after all
+// threads have stopped. The caller may cancel between blocks, and while it waits for other threads' last blocks, which end at
+// their next checkpoint.
 template <class Body> void parallel_blocks(int count, int threads, int block, const Body &body) {
   const Blocks blocks{count, block};
   std::atomic<int> next{0};

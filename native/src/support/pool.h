@@ -1,4 +1,4 @@
-// Objects that threads take turns with: what is costly to make, and clean after use.
+// Objects that threads use in turn: costly to make, and reusable without cleaning.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@ namespace paradesc {
 
 template <class T> class Pool {
 public:
-  // use(object), with one that no thread uses at the moment, or with what make() returns. One that throws meanwhile is not used
-  // again.
+  // Calls use(object) with an object that no thread is using, or else with a new one from make(). If the call throws, the object
+  // is discarded.
   template <class Make, class Use> void with_one(const Make &make, const Use &use) {
     std::unique_ptr<T> one = take();
     if (!one) one = std::make_unique<T>(make());

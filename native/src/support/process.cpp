@@ -1,4 +1,4 @@
-// As the system numbers processes.
+// The system's process number.
 #include "support/process.h"
 
 #if defined(__unix__) || defined(__APPLE__)

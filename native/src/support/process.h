@@ -1,4 +1,4 @@
-// The number of this process: one that was forked from another has another, and none of its threads.
+// The number of this process. A forked process has a different number, and none of the original's threads.
 #pragma once
 
 namespace paradesc {

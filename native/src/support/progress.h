@@ -1,4 +1,4 @@
-// Reports to the caller how far a computation has come, and lets the caller stop it; and measures how long its parts took.
+// Reports the progress of a computation to the caller, lets the caller cancel it, and measures how long its parts took.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@ namespace paradesc {
 // progress(stage, fraction) returns false to cancel.
 using Progress = std::function<bool(const char *stage, double fraction)>;
 
-// Throws Error(CANCELLED) if the caller says stop.
+// Throws Error(CANCELLED) if the caller cancels.
 inline void check_cancel(const Progress &progress, const char *stage, double fraction) {
   if (!progress(stage, fraction)) throw Error(PDESC_ERROR_CANCELLED, std::string("Cancelled in stage ") + stage + ".");
 }

@@ -1,4 +1,4 @@
-// An array that several values share and none of them changes.
+// An immutable array that several values share.
 #pragma once
 
 #include <algorithm>

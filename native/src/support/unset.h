@@ -1,4 +1,4 @@
-// Vectors for loops that write every item.
+// Vectors for loops that write every element.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace paradesc {
 
-// resize() leaves new items of plain types unset: setting millions of them to 0 on one core takes longer than writing them on
-// all.
+// resize() leaves new elements of plain types uninitialized: one core takes longer to zero millions of them than all cores take
+// to write them.
 template <class T> struct LeaveUnset : std::allocator<T> {
   template <class Other> struct rebind { using other = LeaveUnset<Other>; };
   template <class Item> void construct(Item *place) { ::new (static_cast<void *>(place)) Item; }

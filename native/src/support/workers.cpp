@@ -1,4 +1,4 @@
-// A loop is called out; who comes takes part, and its caller waits for no one else.
+// A loop is announced; any worker that is free joins, and the caller does not wait for the others.
 #include "support/workers.h"
 
 #include <new>
@@ -26,8 +26,8 @@ Workers::~Workers() {
   for (std::thread &thread : call_->threads) thread.join();
 }
 
-// After a fork: one of the threads that are gone may have held the lock, and been waited for. So they and what they shared are
-// left as they are.
+// After a fork the other threads do not exist here, but one of them may have held the lock, and would be waited for. So the
+// threads and their shared state are abandoned.
 void Workers::leave_to_other_process() {
   if (process_ == this_process()) return;
   auto call = std::make_unique<Call>();
@@ -37,7 +37,7 @@ void Workers::leave_to_other_process() {
   in_use_ = false;
 }
 
-// So many in all; fewer if the system gives no more threads, or no memory for them.
+// Starts threads up to this total; fewer if the system has no more threads, or no memory for them.
 void Workers::start(size_t count) {
   Call &call = *call_;
   try {

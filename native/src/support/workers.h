@@ -1,4 +1,4 @@
-// Threads that wait for loops, so that none has to be started for each.
+// Threads that wait for loops, so that loops need not start threads.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// Of one thread at a time. They are started when a loop first needs them.
+// Workers serve one thread at a time. They are started when a loop first needs them.
 class Workers {
 public:
   Workers();
@@ -19,7 +19,7 @@ public:
   Workers(const Workers &) = delete;
   Workers &operator=(const Workers &) = delete;
 
-  // While it lives, loops of the thread that made it are helped by these workers.
+  // While a scope lives, loops of the thread that made it use these workers.
   class Scope {
   public:
     explicit Scope(Workers &workers);
@@ -31,15 +31,15 @@ public:
     Workers *before_;
   };
 
-  // One loop: up to `count` threads beside the caller's run work(), which must not throw. They are those of the scope; without
-  // one, and within another loop, they are started for this loop alone.
+  // One loop: up to `count` threads in addition to the caller run work(), which must not throw. The threads are those of the
+  // scope; without a scope, and within another loop, they are started for this loop alone.
   class Loop {
   public:
     Loop(int count, const std::function<void()> &work);
     ~Loop(); // waits
     Loop(const Loop &) = delete;
     Loop &operator=(const Loop &) = delete;
-    // Those that have not come by now stay away. Returns whether all others have ended after so long.
+    // Keeps threads that have not joined yet away. Returns whether all others have ended within the given time.
     bool wait(std::chrono::milliseconds patience);
 
   private:
@@ -48,10 +48,10 @@ public:
   };
 
 private:
-  // The threads, and the state that they share.
+  // The threads and their shared state.
   struct Call {
     std::vector<std::thread> threads;
-    std::mutex mutex; // of all that follows
+    std::mutex mutex; // guards all that follows
     std::condition_variable called, ended;
     const std::function<void()> *work = nullptr;
     size_t wanted = 0, inside = 0;
@@ -63,7 +63,7 @@ private:
   static void serve(Call &call);
 
   std::unique_ptr<Call> call_ = std::make_unique<Call>();
-  long process_; // that the threads belong to
+  long process_; // the process that the threads belong to
   bool in_use_ = false;
 };
 
