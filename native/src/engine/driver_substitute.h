@@ -5,8 +5,8 @@
 
 namespace paradesc {
 
-// Replaces a library of the system (libEGL.so.1, opengl32.dll) or an entry point of it or of OpenGL, by its name. It is empty in
-// the library itself, whose callers cannot set it.
+// Replaces a library of the system (libEGL.so.1, opengl32.dll), or one of its or OpenGL's entry points, by name. The library
+// itself leaves it empty, and its callers cannot set it.
 using DriverSubstitute = std::function<void *(const char *name, void *found)>;
 
 } // namespace paradesc

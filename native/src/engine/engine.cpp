@@ -1,4 +1,4 @@
-// What engines that have no buffers answer.
+// The answers of engines without buffers.
 #include "engine/engine.h"
 
 namespace paradesc {

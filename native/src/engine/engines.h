@@ -1,4 +1,4 @@
-// Backends by number → engines. Only this file knows which engines there are.
+// Backend numbers → engines. Only this file knows which engines exist.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,10 @@
 
 namespace paradesc {
 
-// backend: any but AUTO. Throws Error(UNSUPPORTED) with what was found and what to do.
+// backend: any but AUTO. Throws Error(UNSUPPORTED) that says what was found and what to do.
 std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute);
 
-// The memory that a computation on that backend takes beside the mesh.
+// The memory that a computation on that backend takes in addition to the mesh.
 MemoryForecast forecast_memory(int32_t backend, const ComputationSize &size);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// The factors are those of `tests/bench/memory.py`, which prints how far a peak is from what is expected here.
+// The factors agree with `tests/bench/memory.py`, which prints how far a peak is from this forecast.
 #include "engine/memory.h"
 
 #include <algorithm>
@@ -19,9 +19,9 @@ int64_t rows_of(std::span<const int> descriptors) {
 }
 
 int64_t bytes_of_results(const ComputationSize &size) {
-  constexpr int64_t of_thread = 8; // for each triangle: SolidMeasure, FacetFlood
+  constexpr int64_t of_thread = 8; // per triangle and thread: SolidMeasure, FacetFlood
   const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + size.threads * of_thread;
-  // What operators work on is computed at the points of all pieces.
+  // The map that operators read is computed at the points of all pieces.
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;
   return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * points;

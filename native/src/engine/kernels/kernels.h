@@ -1,9 +1,9 @@
-// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds as many as there
-// are lanes, whose sums are added up before they are finished by add_lanes().
+// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds one neighbor
+// per lane. add_lanes() adds up the lanes' sums before they are finished.
 //
-// No include guard: each engine, or each choice of an engine, includes it with a name of its own for KERNEL. What GLSL chooses when it
-// compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are TERMS_BALL and so on for
-// each of shaders/kernel/terms, 1 where nothing is said.
+// There is no include guard: each engine, or each variant of an engine, includes this file with its own name for KERNEL.
+// Compile-time choices are the same macros as in GLSL: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are
+// TERMS_BALL and so on, one for each file of shaders/kernel/terms, which default to 1.
 #include <limits>
 
 #include "engine/kernels/lanes.h"
@@ -17,7 +17,7 @@ namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-parameter" // a kernel takes what any other one needs
+#pragma GCC diagnostic ignored "-Wunused-parameter" // every kernel has the same parameters
 #pragma GCC diagnostic ignored "-Wshadow"
 #define OUT(type) type &
 #define INOUT(type) type &

@@ -1,8 +1,8 @@
-// Floats that are computed with together, as many as LANE_WIDTH (8 unless it is set), and as many choices between them.
+// Vectors of LANE_WIDTH floats (8 unless it is set), and vectors of as many booleans.
 //
-// Vectors of the compiler, which GCC and Clang have for every processor. Each lane is rounded as a float is by itself, so that
-// results do not depend on the width. KERNEL_TARGET names the code of one set of instructions: inline functions that are compiled
-// for several of them would else be taken for the same.
+// They are compiler vectors, which GCC and Clang support on every processor. Each lane is rounded like a single float, so results
+// do not depend on the width. KERNEL_TARGET names the code of one set of instructions: otherwise the linker would merge inline
+// functions that are compiled for several sets.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct Lanes {
   using Floats [[gnu::vector_size(LANE_WIDTH * sizeof(float))]] = float;
   Floats lane;
   Lanes() = default;
-  Lanes(float all) : lane(Floats{} + all) {} // of literals
+  Lanes(float all) : lane(Floats{} + all) {} // for literals
   explicit Lanes(double all) : Lanes(static_cast<float>(all)) {}
   explicit Lanes(const Floats &values) : lane(values) {}
 };
@@ -53,7 +53,7 @@ inline Choices operator&&(const Choices &a, const Choices &b) { return {a.lane &
 inline Choices operator!=(const Choices &a, const Choices &b) { return {a.lane ^ b.lane}; }
 inline Choices operator!(const Choices &a) { return {~a.lane}; }
 
-// By bits, the lowest for the first lane.
+// One choice per bit; the lowest bit is the first lane's.
 inline Choices choices_of(uint32_t bits) {
   Choices::Bits of_lane;
   for (int i = 0; i < lane_count; ++i) of_lane[i] = 1 << i;
@@ -70,17 +70,17 @@ inline Lanes sqrt(const Lanes &a) {
   return result;
 }
 
-// 1/sqrt(a) to 7e-7 of it, for what is normal and above 0, several times as fast as a root and a division: a first guess by the
-// exponent, and two steps of Newton's, the first with the constants of the least error.
+// 1/sqrt(a) with a relative error of 7e-7, for normal numbers above 0; several times as fast as a root and a division. A first
+// guess from the exponent is refined by two steps of Newton's method, the first with constants that minimize the error.
 inline Lanes fast_inversesqrt(const Lanes &a) {
   Lanes root(std::bit_cast<Lanes::Floats>(0x5f200000 - (std::bit_cast<Choices::Bits>(a.lane) >> 1)));
   root = root * (1.681912f - 0.7039497f * a * root * root);
   return root * (1.5f - 0.5f * a * root * root);
 }
 
-// To 2e-7 of the result, for what is neither NaN nor far above 0: 2^n e^f by a polynomial, n whole and |f| at most ln(2)/2.
+// exp(a) with a relative error of 2e-7, unless a is NaN or far above 0: 2^n e^f by a polynomial, n an integer, |f| <= ln(2)/2.
 inline Lanes exp(const Lanes &a) {
-  const Lanes x = max(a, -87.0f), whole_maker = 12582912.0f; // 1.5 * 2^23: its neighbors are whole numbers
+  const Lanes x = max(a, -87.0f), whole_maker = 12582912.0f; // 1.5 * 2^23: floats near it are integers
   const Lanes shifted = x * 1.44269504f + whole_maker, n = shifted - whole_maker;
   const Lanes f = (x - n * 0.693359375f) - n * -2.12194440e-4f; // ln(2) in two parts: n times the first is exact
   Lanes sum = 1.98756915e-4f;
@@ -90,8 +90,8 @@ inline Lanes exp(const Lanes &a) {
   return sum * Lanes(std::bit_cast<Lanes::Floats>(bits << 23));
 }
 
-// All lanes together, halves first, so that the order of sums does not depend on the width: lanes of a wider vector are added in
-// pairs to those of one half as wide.
+// The sum of all lanes. Halves are added first, so that the order of sums does not depend on the width: lanes of a wider vector
+// are added in pairs to give those of a vector half as wide.
 template <size_t width> float sum_of(const std::array<float, width> &lanes) {
   if constexpr (width == 1) {
     return lanes[0];

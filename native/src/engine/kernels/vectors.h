@@ -1,4 +1,4 @@
-// GLSL's vectors and functions for C++, over floats or over lanes of them: as much as shaders/kernel is written with.
+// GLSL's vectors and functions for C++, over floats or lanes of floats: the part that shaders/kernel uses.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@ inline float sqrt(float x) { return std::sqrt(x); }
 inline float exp(float x) { return std::exp(x); }
 inline float atan(float y, float x) { return static_cast<float>(angle_of(y, x)); }
 inline bool isnan(float x) { return std::isnan(x); }
-// Does what GLSL's does: takes the second value where the choice is true.
+// Like GLSL's mix: returns the second value if the choice is true.
 inline float mix(float a, float b, bool choice) { return choice ? b : a; }
 
 template <class T> T inversesqrt(T x) { return 1.0f / sqrt(x); }

@@ -1,5 +1,5 @@
-// Points of the mesh → descriptors by exact quadrature: flood the surface within the ball, integrate triangle ∩ ball, finish
-// with the definitions as they stand.
+// Points of the mesh → descriptors by exact quadrature: floods the surface within the ball, integrates over triangle ∩ ball, and
+// applies the definitions literally.
 #include "engine/reference/reference.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct Center {
   dvec3 normal, tangent, bitangent;
   double radius;
   bool geodesic_ball;
-  bool windows; // are summed, too
+  bool windows; // the windows are summed, too
   bool with_map;
   dvec4 map; // at p
   double map_radius, sigma;
@@ -92,7 +92,7 @@ void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double
   moments.narrow.add(x, y, weight * window * window);
 }
 
-// A tangent vector v at a normal m, turned with it into the tangent plane of n.
+// Turns a tangent vector v at normal m into the tangent plane of n.
 dvec3 turn_to(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
 
 void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dvec4 map, double weight) {
@@ -104,7 +104,7 @@ void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dv
                     center.sigma);
 }
 
-// shrink: the sample stands that much nearer.
+// shrink: factor that moves the sample towards the center.
 void add_barycentric(Moments &moments, const Center &center, const Patch &patch, double b, double c, double weight,
                      double shrink = 1) {
   const auto at = [&](const auto &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
@@ -113,7 +113,7 @@ void add_barycentric(Moments &moments, const Center &center, const Patch &patch,
   if (center.with_map) add_map_sample(moments, center, d, glm::normalize(at(patch.normals)), at(patch.map), weight);
 }
 
-// Exact for polynomials of degree 5 (Radon) and 2.
+// Exact for polynomials of degree 5 (Radon), or of degree 2 if tiny.
 void add_whole_triangle(Moments &moments, const Center &center, const Patch &patch, double area, bool tiny) {
   const auto add_three = [&](double b, double weight) {
     add_barycentric(moments, center, patch, b, b, weight * area);
@@ -127,8 +127,9 @@ void add_whole_triangle(Moments &moments, const Center &center, const Patch &pat
   add_three((6 + root) / 21, (155 + root) / 1200);
 }
 
-// On the ball's rim: the strip between the rim and where the distance along the surface, s = rho (1 + (kappa rho)^2/24), is r.
-// Per angle around the foot of p on the triangle's plane it has (r^2 - rho_s^2)/2, wherever that foot lies.
+// At the ball's rim: the strip between the rim and the curve where the distance along the surface, s = rho (1 + (kappa
+// rho)^2/24), is r. Its area per angle around the foot of p on the triangle's plane is (r^2 - rho_s^2)/2, wherever that foot
+// lies.
 void add_strip(Moments &moments, const Center &center, const Patch &patch, double b, double c, double angle) {
   const auto at = [&](const std::array<dvec3, 3> &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
   const dvec3 d = at(patch.corners), n = at(patch.normals);
@@ -163,7 +164,7 @@ void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch
   });
 }
 
-// The rules are as fine as the triangle is near: the integrands vary with direction and as 1/rho^2.
+// Nearer triangles get finer rules, because the integrands vary with direction and as 1/rho^2.
 void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
   const auto &[a, b, c] = patch.corners;
   const dvec3 cross_product = glm::cross(b - a, c - a);
@@ -181,8 +182,8 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
-// The standard error of H where noise moves each vertex by itself: by Gauss's theorem H is a sum of heights z over the ball, 2 z each,
-// less r z along its rim; both are blurred as normals are. What is free of the bias by r^2 has no rim, and 48 times the variance.
+// The standard error of H for independent noise of the vertices. By Gauss's theorem H is a sum of heights z, 2 z over the ball
+// less r z along its rim, both blurred as normals are. The extrapolated estimator has no rim, and 48 times the variance.
 double standard_error(const Moments &moments, const Center &center) {
   const double r = center.radius;
   const double vertex = 2 * moments.facets / moments.area, variance = moments.noise / moments.area * vertex;
@@ -190,7 +191,8 @@ double standard_error(const Moments &moments, const Center &center) {
   return std::sqrt(16 / pi * NOISE_SHARE * variance * (center.windows ? 48 : 1 + rim) / blurred) / blurred;
 }
 
-// Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations. S as xx, xy, yy.
+// Least squares for a symmetric S: X S + S X = M + MT, which are three separate equations in the principal frame of X. S is xx,
+// xy, yy.
 std::optional<dvec3> fitted(const Fit &fit) {
   constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner neighborhood does not determine S
   const double angle = 0.5 * std::atan2(2 * fit.xy, fit.xx - fit.yy);
@@ -206,7 +208,7 @@ std::optional<dvec3> fitted(const Fit &fit) {
                s * s * s11 + 2 * c * s * s12 + c * c * s22);
 }
 
-// By the ball alone; or by both windows, which blur by half and two fifths of what a ball's rim alone would.
+// Uses the ball alone; or both windows, which blur by half and two fifths of what the rim of a ball alone would.
 std::optional<dvec3> shape_operator(const Moments &moments, bool windows) {
   if (!windows) return fitted(moments.ball);
   const auto wide = fitted(moments.wide), narrow = fitted(moments.narrow);
@@ -236,7 +238,7 @@ double ball_mean_curvature(const ReferenceNeighborhood &neighborhood) {
   return neighborhood.rho > 0 ? -8.0 / (3.0 * neighborhood.radius) * neighborhood.height / neighborhood.rho : undefined;
 }
 
-// Paper eq. (8), (11) and (10).
+// H, K, k1 and k2 by paper eq. (8), (11) and (10).
 void take_integrals(ReferenceNeighborhood &neighborhood) {
   const double r = neighborhood.radius, square = r * r;
   neighborhood.mean = ball_mean_curvature(neighborhood);
@@ -246,7 +248,7 @@ void take_integrals(ReferenceNeighborhood &neighborhood) {
   neighborhood.k2 = neighborhood.mean - root;
 }
 
-// Does the segment from a to b come nearer to the origin than r?
+// Whether the segment from a to b comes nearer to the origin than the radius.
 bool meets_ball(dvec3 a, dvec3 b, double radius) {
   const dvec3 edge = b - a;
   const double length2 = glm::dot(edge, edge);
@@ -255,7 +257,7 @@ bool meets_ball(dvec3 a, dvec3 b, double radius) {
   return glm::dot(foot, foot) < radius * radius;
 }
 
-// The connected part of the surface within the ball around one point after the other. Stamps live as long as the flood.
+// The connected part of the surface within the ball, for one point after another. Stamps live as long as the flood.
 class Flood {
 public:
   explicit Flood(const Surface &surface) : surface_(surface), stamp_(static_cast<size_t>(surface.triangles.triangle_count), -1) {}
@@ -341,7 +343,7 @@ private:
     return patch;
   }
 
-  // Enters the triangles behind edges that meet the ball; true where nothing is behind one.
+  // Enters the triangles across edges that meet the ball; returns true if one of these edges has no other side.
   bool cross_edges(int face, const Patch &patch, double radius) {
     bool boundary = false;
     for (size_t k = 0; k < 3; ++k) {

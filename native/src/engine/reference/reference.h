@@ -1,5 +1,5 @@
 // The oracle: descriptors by exact quadrature over the connected part of the surface within r, in object space, in double.
-// It shares positions and normals with the texture-space path and nothing else.
+// It shares positions and normals with the other engines and nothing else.
 #pragma once
 
 #include <functional>
@@ -23,16 +23,16 @@ struct ReferenceNeighborhood {
   double height = 0;                          // of w n.d
   double bending = 0;                         // of w |n - n_i|^2 / rho^2
   double geodesic_area = 0;                   // area within r along the surface
-  double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the estimator asked for; NaN where they do not exist
+  double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the requested estimator; NaN if undefined
   double standard_error = std::numeric_limits<double>::quiet_NaN(); // of H by noise of the positions; NaN: not known
   dvec3 direction_max{0}, direction_min{0};   // of the shape operator, unit
   bool boundary = false;                      // a mesh boundary lies within the ball
-  ReferenceWindow window;                     // where a map is given
+  ReferenceWindow window;                     // if a map is given
 };
 
 template <int components> using ReferenceValue = std::conditional_t<components == 1, double, dvec3>;
 
-// One of these for each row of descriptors.def and of descriptor/operators.def; each gives NaN where the value does not exist.
+// One of these exists for each row of descriptors.def and of descriptor/operators.def; it returns NaN if the value is undefined.
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, terms)                            \
   ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
 #include "descriptor/descriptors.def"
@@ -51,11 +51,11 @@ struct ReferenceSettings {
   double radius;
   int32_t estimator = 0;                  // pdesc_estimator of the curvatures
   bool geodesic_ball = false;             // the neighborhood ends where the distance along the surface exceeds the radius
-  const std::vector<vec4> *map = nullptr; // (point_count) gradient and value of what operators work on; they need one
-  double map_radius = 0;                  // at which it was computed
-  double map_sigma = 0;                   // of their Gaussian windows; 0: they fit quadratics
+  const std::vector<vec4> *map = nullptr; // (point_count) gradient and value of the map; only operators need it
+  double map_radius = 0;                  // radius at which the map was computed
+  double map_sigma = 0;                   // sigma of the operators' Gaussian windows; 0: operators fit quadratics
   double harris_k = 0;
-  std::span<const int32_t> points = {}; // to compute at; empty: at all. Values elsewhere are NaN
+  std::span<const int32_t> points = {}; // to compute at; empty: at all. Values at other points are NaN
 };
 
 // descriptors: indices into the registry. progress(fraction) returns false to cancel: then Error(CANCELLED) is thrown.

@@ -55,7 +55,7 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
       run_passes(points, request.descriptors, find_map(options.map_descriptor),
                  [&](const Pass &pass, const MapValues *map, int number, int count) {
                    settings.map = map;
-                   // What later passes read as a map is needed wherever the surface is.
+                   // A pass whose values later passes read as a map must cover the whole surface.
                    settings.points = pass.makes_map() ? std::span<const int32_t>() : std::span<const int32_t>(wanted);
                    settings.radius = radius_of(pass, options, request.radius);
                    settings.map_sigma = pass.stage == Stage::windows ? options.map_sigma * request.radius : 0.0;
@@ -79,7 +79,7 @@ std::shared_ptr<Engine> open_reference_engine(int threads) { return std::make_sh
 
 MemoryForecast forecast_reference_memory(const ComputationSize &size) {
   MemoryForecast memory;
-  memory.host = bytes_of_results(size) + (size.pieces - size.triangles) * 32; // stamps of floods, of each thread
+  memory.host = bytes_of_results(size) + (size.pieces - size.triangles) * 32; // per-thread stamps of floods
   return memory;
 }
 

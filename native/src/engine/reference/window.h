@@ -1,4 +1,4 @@
-// Quadrature points of one neighborhood with a map on them → what the definitions of operators need.
+// Quadrature points of one neighborhood with a map on them → the inputs of the operators' definitions.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@ struct WindowSample {
   dvec2 coordinates; // tangent coordinates of d = q - p, in units of r
   double rho;   // |d|
   double value; // f - f(p)
-  dvec2 slope;  // r grad f in the tangent plane of p; NaN where it does not exist
+  dvec2 slope;  // r grad f in the tangent plane of p; NaN if it is undefined
   double weight;
 };
 
@@ -20,14 +20,14 @@ struct WindowMoments {
   double area = 0;
   dmat3 first_first{0}, first_second{0}, second_second{0};
   dvec3 f_first{0}, f_second{0};
-  dvec2 narrow{0}, wide{0}; // Gaussians of sigma/GAUSSIANS_RATIO and sigma: integral, that of f
-  double sloped = 0;        // integral of the wide one where f has a slope
-  dvec3 tensor{0};          // of the wide one times slope slope^T: xx, xy, yy
+  dvec2 narrow{0}, wide{0}; // Gaussians of sigma/GAUSSIANS_RATIO and sigma: integral, and integral times f
+  double sloped = 0;        // integral of the wide Gaussian where f has a slope
+  dvec3 tensor{0};          // integral of the wide Gaussian times slope slope^T: xx, xy, yy
 };
-// sigma 0: for the quadratic; else for Gaussian windows. No pass needs both.
+// sigma 0: sums for the quadratic; else for Gaussian windows. No pass needs both.
 void add_window_sample(WindowMoments &moments, const WindowSample &sample, double sigma);
 
-// NaN where something does not exist: all of it, without a map.
+// Members are NaN if they are undefined; all are without a map.
 struct ReferenceWindow {
   static constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
   dvec3 gradient{undefined};                   // of the least-squares quadratic of f, in object space
