@@ -1,4 +1,4 @@
-// The tensor of the solid → values of descriptors, by the kernels' own text; mixed with what was found.
+// The tensor of the solid → values of descriptors, by the kernels' own text; blended with the engine's values.
 #include "engine/creases/blend.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Value value_of(const Kernel::vec3 &v) { return {v.x, v.y, v.z}; }
 
 } // namespace
 
-// By row of descriptors.def: what a solid has there.
+// By row of descriptors.def: the descriptor's value for a solid.
 using RowOfSolid = Value (*)(const Solid &);
 static constexpr RowOfSolid rows_of_solid[] = {
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, needed)                           \
@@ -48,10 +48,10 @@ static constexpr RowOfSolid rows_of_solid[] = {
 #undef DESCRIPTOR
 };
 
-// Operators have a map to work on, and areas are what they are.
+// Operators need a map, and areas do not depend on curvature.
 static bool is_of_solid(int row) { return row < static_cast<int>(std::size(rows_of_solid)) && !uses_terms(row, "area"); }
 
-// Its H, its bending energy where the radius goes to 0, and the volume that belongs to H (paper eq. 8).
+// The solid's curvatures, the limit of its bending energy for radius 0, and the volume that belongs to H (paper eq. 8).
 static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const SolidTensor &tensor) {
   Solid solid{kernel, sums, {}};
   const float radius = kernel.params.radius;
@@ -68,7 +68,7 @@ static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Soli
   return solid;
 }
 
-// What exists alone stands for both. Directions have two signs.
+// Blends the solid's value into `value`; if only one of them exists, it stands for both. Directions have two signs.
 static void mix(float *value, const Value &solid, size_t components, float share) {
   if (share >= 1.0f || std::isnan(value[0])) {
     if (share > 0.5f || share >= 1.0f) std::copy_n(solid.begin(), components, value);
@@ -129,7 +129,7 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
     measures.with_one([&] { return SolidMeasure(*creased_, radius_); },
                       [&](SolidMeasure &measure) {
                         for (int i = begin; i < end; ++i) {
-                          checkpoint(); // one alone may take a millisecond
+                          checkpoint(); // one place alone may take a millisecond
                           blend_one(static_cast<size_t>(i), measure);
                         }
                       });
@@ -152,7 +152,7 @@ void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, s
   const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
     const TexelCenter &center = texels.centers[first + i];
-    constexpr double inside = 1e-4; // on an edge it would be on neither of two triangles
+    constexpr double inside = 1e-4; // a place on an edge would be in neither of two triangles
     const dvec3 given(1.0 - static_cast<double>(center.weights.x) - static_cast<double>(center.weights.y), center.weights.x,
                       center.weights.y);
     const dvec3 kept = glm::max(given, inside), weights = kept / (kept.x + kept.y + kept.z);

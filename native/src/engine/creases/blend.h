@@ -1,4 +1,4 @@
-// What an engine found, as if the surface were smooth → what holds where creases are near: curvature there is that of the solid.
+// Values that an engine found as if the surface were smooth → values that hold near creases, where curvature is the solid's.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace paradesc {
 
-// For one radius, in units of the positions. Does nothing where the surface has no creases, where maps displace it, or where none
-// of the rows follows from curvature.
+// For one radius, in units of the positions. Does nothing if the surface has no creases, if maps displace it, or if none of the
+// rows follows from curvature.
 class CreaseBlend {
 public:
   CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
@@ -19,9 +19,9 @@ public:
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;
 
-  // results: of some of the rows, at points, in units of the positions. Rows that follow from no curvature stay.
+  // results: of some of the rows, at points, in units of the positions. Rows that do not follow from curvature stay unchanged.
   void at_points(std::span<const int> rows, CenterResults &results) const;
-  // Of texels [first, …).
+  // Blends the results of texels from `first` on.
   void at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const;
 
 private:

@@ -1,4 +1,4 @@
-// By what lies between a region's foot and its boundary.
+// Each integral is a sum over a region's boundary, of what lies between the boundary and the region's foot.
 #include "engine/creases/closed_forms.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace paradesc {
 
 namespace {
 
-// Of the plane at this height seen from the origin, the solid angle between the foot of the origin and a segment there; its sign
-// is that of its turn around the foot. Part of an arc of radius rho sees (1 - height/rho) of its angle.
+// The solid angle, seen from the origin, of the triangle between the foot of the origin and a segment, on a plane at this height.
+// Its sign is that of the turn around the foot. An arc at distance rho has (1 - height/rho) times its angle.
 double solid_angle_of_segment(dvec2 begin, dvec2 end, double height) {
   const dvec2 edge = end - begin;
   const double length = glm::length(edge);
@@ -24,7 +24,7 @@ double solid_angle_of_segment(dvec2 begin, dvec2 end, double height) {
   return side < 0 ? -angle : angle;
 }
 
-// The kernel's integral along a line at the distance a, from where that is nearest.
+// The integral of the kernel along a line at distance a, from the line's nearest point to s.
 double kernel_along(double s, double a, double radius) {
   const double square = radius * radius, rho2 = a * a + s * s;
   if (!(rho2 > 0)) return 0;
@@ -90,7 +90,7 @@ double kernel_on_segment(dvec3 begin, dvec3 end, double radius) {
   return low < high ? kernel_along(high, a, radius) - kernel_along(low, a, radius) : 0;
 }
 
-// What is added up from the foot to the boundary changes no faster than the distance squared where the boundary comes near.
+// The integrand up to the boundary varies no faster than the squared distance where the boundary comes near.
 double kernel_over(const CutRegion &region, double height, double radius) {
   const double low2 = height * height, low = kernel_values(low2, radius).up_to;
   double sum = region.arcs * (kernel_values(radius * radius, radius).up_to - low);

@@ -11,25 +11,25 @@
 
 namespace paradesc {
 
-// Of a plane, within the ball: around the foot of the origin, where the plane's coordinates start. It lies to the left of its
-// segments; what else bounds it are arcs of the ball's rim, of which only their angles count.
+// The part of a planar region within the ball. Coordinates are relative to the foot of the origin on the plane. The region lies
+// to the left of its segments; the rest of its boundary are arcs of the ball's rim, of which only the angles matter.
 struct CutRegion {
   double radius = 0; // of the rim
   double arcs = 0;   // the sum of their angles
   std::vector<std::pair<dvec2, dvec2>> segments;
 };
 
-// Of a triangle whose corners are counter-clockwise.
+// Cuts a triangle whose corners are counter-clockwise.
 void cut_triangle(const std::array<dvec2, 3> &corners, double radius, CutRegion &region);
 
-// Seen from the origin.
+// The solid angle seen from the origin.
 double solid_angle_of_triangle(const std::array<dvec3, 3> &corners);
 
 // Integral of |h| (1/rho^3 - 1/r^3) over a region of a plane at the height |h| = height.
 double seen_and_filled(const CutRegion &region, double height, double radius);
 
-// visit(begin, end) of steps along a line from s to t that are short against their distance from the origin, which is `nearest`
-// where s is 0.
+// Calls visit(begin, end) for steps along a line from s to t that are short compared with their distance from the origin, which
+// is `nearest` at s = 0.
 template <class Visit> void visit_steps(double s, double t, double nearest, const Visit &visit) {
   constexpr double first = 2, factor = 4, last = 1.5;
   const auto outwards = [&](double from, double to, double sign) {
@@ -46,13 +46,13 @@ template <class Visit> void visit_steps(double s, double t, double nearest, cons
 
 GaussRule step_rule(double s, double t, double nearest2); // for the kernel over such a step
 
-// Of the radius: what changes nearer than that is next to nothing.
+// Relative to the radius: kernels change next to nothing nearer than this.
 inline constexpr double least_distance = 1e-3;
 
-// The kernel of H for what bends little, of a squared distance: its Laplacian is 1 - pi r^2 delta, and it vanishes at r with its
-// slope.
+// The kernel of H for surfaces that bend little, at a squared distance. Its Laplacian is 1 - pi r^2 delta; the kernel and its
+// slope vanish at r.
 double kernel_at(double rho2, double radius);
-// The same within the ball, and its product with the distance, added up to there.
+// The kernel within the ball, and the integral of kernel times distance up to there.
 struct KernelValues {
   double at, up_to;
 };

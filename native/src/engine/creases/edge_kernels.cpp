@@ -1,4 +1,4 @@
-// Logarithms are what kernels cost: each is taken once.
+// Logarithms dominate the cost of kernels, so each is computed once.
 #include "engine/creases/edge_kernels.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ EdgeKernel EdgeKernels::at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 e
 }
 
 EdgeKernels::Slot &EdgeKernels::slot_of(int32_t half_edge) {
-  constexpr uint32_t golden = 2654435769u; // of 2^32, so that neighbors lie apart
+  constexpr uint32_t golden = 2654435769u; // golden section of 2^32, which spreads neighboring numbers
   const size_t last = slots_.size() - 1;
   size_t i = (static_cast<uint32_t>(half_edge) * golden >> 8) & last;
   while (slots_[i].center == centers_ && slots_[i].half_edge != half_edge) i = (i + 1) & last;

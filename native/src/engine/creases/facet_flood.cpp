@@ -1,4 +1,4 @@
-// Over sides and edges that meet the ball. A facet of which the ball may cut several parts is looked through by its triangles.
+// Floods across sides and edges that meet the ball. A facet of which the ball may cut several parts is visited by its triangles.
 #include "engine/creases/facet_flood.h"
 
 #include <utility>
@@ -54,14 +54,14 @@ void FacetFlood::reach(int32_t triangle) {
   reached_.push_back(triangle);
 }
 
-// Whether the ball can cut but one part out of the facet; that is then reached.
+// Whether the ball can cut only one part out of the facet; if so, that part is reached.
 bool FacetFlood::is_one(int32_t index) {
   Met &met = met_[index];
   if (met.place == places_) return met.cut == Cut::one;
   met = {places_, Cut::one};
   const Facet &facet = facets_.facet[index];
   const auto first = static_cast<int32_t>(sides_.size());
-  int entries = 0; // into the ball, each of another chain of sides
+  int entries = 0; // places where chains of sides enter the ball
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
     const FacetSide &side = facets_.side[s];
     if (!meets(side.begin, side.end)) continue;
@@ -78,7 +78,7 @@ bool FacetFlood::is_one(int32_t index) {
   return false;
 }
 
-// All of the part that holds a triangle.
+// Reaches all of the part that contains this triangle.
 void FacetFlood::reach_part(int32_t triangle) {
   const int32_t facet = facets_.of_triangle[triangle];
   const auto first = static_cast<int32_t>(sides_.size());

@@ -1,4 +1,4 @@
-// A place on the surface → what is connected to it within a ball: parts of facets, and triangles that are in none.
+// A place on the surface → the region connected to it within a ball: parts of facets, and triangles outside of facets.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +14,28 @@ namespace paradesc {
 // A connected part of a facet's cut with the ball.
 struct FacetPart {
   int32_t facet;
-  int32_t begin, end; // of FacetFlood::sides, of those that meet the ball there
+  int32_t begin, end; // range in FacetFlood::sides of those that meet the ball there
 };
 
-// What one thread keeps from place to place; the surface is borrowed.
+// Reused by one thread from place to place, so that arrays stay allocated; the surface is borrowed.
 class FacetFlood {
 public:
   FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets);
 
-  // From all around a point of the mesh, or from within a triangle (point: -1).
+  // Floods from all triangles around a point of the mesh, or from within a triangle (point: -1).
   void run(dvec3 center, int32_t point, int32_t triangle, double radius);
   std::span<const int32_t> triangles() const { return reached_; }
   std::span<const FacetPart> parts() const { return parts_; }
   std::span<const int32_t> sides(const FacetPart &part) const {
     return std::span(sides_).subspan(static_cast<size_t>(part.begin), static_cast<size_t>(part.end - part.begin));
   }
-  // Of the triangles at the start, one more than once perhaps.
+  // Facets of the starting triangles; may contain duplicates.
   std::span<const int32_t> own_facets() const { return own_facets_; }
 
 private:
   enum class Cut : uint8_t { one, several };
   struct Met {
-    int32_t place = 0; // the last that met it
+    int32_t place = 0; // the last place that met it
     Cut cut = Cut::one;
   };
 
@@ -55,7 +55,7 @@ private:
   double radius_ = 0;
   std::vector<int32_t> mark_;      // (triangles) the last place that reached it
   std::vector<Met> met_;           // (facets)
-  std::vector<int32_t> side_mark_; // likewise, where a facet has several parts
+  std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
   std::vector<int32_t> reached_, sides_, own_facets_;
   std::vector<FacetPart> parts_;

@@ -1,4 +1,4 @@
-// Creases by cells of grids as wide as they reach, a grid for each component: a place sees those of its own alone.
+// Creases in cells of grids as wide as their reach, with one grid per component: a place sees those of its own component alone.
 #include "engine/creases/near.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-static constexpr double most_cells = 128; // along a side: creases may be long against the radius
+static constexpr double most_cells = 128; // along a side; limits the grid if creases are long compared with the radius
 
 static uint64_t number_of(dvec3 cell) {
   return (static_cast<uint64_t>(cell.x) << 16) | (static_cast<uint64_t>(cell.y) << 8) | static_cast<uint64_t>(cell.z);
@@ -29,7 +29,7 @@ NearCreases::NearCreases(const CreasedSurface &surface, double radius) : surface
 }
 
 void NearCreases::fill(Grid &grid, const std::vector<int32_t> &edges, size_t begin, size_t end) {
-  constexpr double above_0 = std::numeric_limits<double>::min(); // of surfaces that are one point
+  constexpr double above_0 = std::numeric_limits<double>::min(); // for surfaces that are a single point
   grid.low = dvec3(std::numeric_limits<double>::max());
   grid.high = -grid.low;
   for (size_t i = begin; i < end; ++i)
@@ -47,8 +47,8 @@ void NearCreases::fill(Grid &grid, const std::vector<int32_t> &edges, size_t beg
   grid.end = entries_.size();
 }
 
-// To all cells within reach of it, piece by piece. Cells end where creases do: a place beyond is nearer to all of them from the side
-// of their box.
+// Adds an edge to all cells within reach of it, piece by piece. The grid ends where creases do: cell_at() clamps a place beyond
+// to the nearest cell, which is at least as near to every crease.
 void NearCreases::add_edge(const Grid &grid, int32_t edge) {
   const double reach = CREASE_REACH * radius_;
   const dvec3 begin(surface_.triangles.position(edge)), way = dvec3(surface_.triangles.position(next_corner(edge))) - begin;

@@ -1,4 +1,4 @@
-// Where creases may change curvature: told before triangles are looked through.
+// Finds places where creases may change curvature, before any triangles are visited.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace paradesc {
 class NearCreases {
 public:
   NearCreases(const CreasedSurface &surface, double radius);
-  bool reach(dvec3 position, int32_t triangle) const; // whether one of its component is near enough
+  bool reach(dvec3 position, int32_t triangle) const; // whether a crease of the triangle's component is near enough
 
 private:
-  // The creases of one component, by cells of the box around them.
+  // The creases of one component, by cells of their bounding box.
   struct Grid {
     dvec3 low{0}, high{0};
     double cell = 0;
-    size_t begin = 0, end = 0; // of its entries
+    size_t begin = 0, end = 0; // range in entries_
     dvec3 cell_at(dvec3 position) const { return glm::floor((glm::clamp(position, low, high) - low) / cell); }
   };
 
@@ -28,7 +28,7 @@ private:
   CreasedSurface surface_;
   double radius_;
   std::vector<Grid> grids_;       // (components)
-  std::vector<uint64_t> entries_; // cell and edge, those of each component in their order
+  std::vector<uint64_t> entries_; // cell and edge; those of each component are sorted
 };
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Triangles in the ball → the tensor, in closed form but for the gradients of normals.
+// Triangles in the ball → the tensor, in closed form except for the gradients of normals.
 #include "engine/creases/solid.h"
 
 #include <algorithm>
@@ -23,12 +23,12 @@ double smooth_step(double t) {
   return t * t * (3 - 2 * t);
 }
 
-// A vector of a plane with the normal m, turned with it into the plane of n.
+// Turns a vector v of a plane with normal m into the plane with normal n.
 dvec3 turned(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
 
 } // namespace
 
-// Half of it in all directions where v has none.
+// Adds amount·v̂v̂ᵀ; for a near-zero v, half the amount on each axis.
 void SolidMeasure::Tensor::add(double amount, dvec2 v) {
   constexpr double no_direction = 1e-4;
   const double square = glm::dot(v, v), share = amount / (square + no_direction);
@@ -37,21 +37,21 @@ void SolidMeasure::Tensor::add(double amount, dvec2 v) {
   yy += share * (v.y * v.y + 0.5 * no_direction);
 }
 
-// A triangle from the center.
+// A triangle relative to the center.
 struct SolidMeasure::Seen {
   int32_t triangle;
   const Face &face;
   std::array<dvec3, 3> corners;
   double height;                  // of its plane; 0 where the center lies on it
   double nearest, farthest, size; // distances of corners, the longest edge; squared
-  // Whether integrands vary no more over it than they do at such a share of the distance.
+  // Whether the triangle is smaller than this share of its distance, so that integrands vary little over it.
   bool is_small(double share) const { return size < share * share * nearest; }
   double middle2() const { return square_of((corners[0] + corners[1] + corners[2]) / 3.0); }
   double edge_middle2(size_t k) const { return square_of(0.5 * (corners[k] + corners[(k + 1) % 3])); }
 
-  // In the triangle's plane, from the foot of the center.
+  // The corners in the triangle's plane, relative to the foot of the center.
   std::array<dvec2, 3> flat() const { return {face.axes.of(corners[0]), face.axes.of(corners[1]), face.axes.of(corners[2])}; }
-  // Of a function of the squared distance, over a small triangle.
+  // The integral of a function of the squared distance over a small triangle.
   template <class Function> double integral(const Function &function) const {
     const double area = 0.5 * face.twice_area;
     if (is_small(0.05)) return area * function(middle2());
@@ -103,7 +103,7 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   return faces_.back();
 }
 
-// Where a facet lies on either side, its plane counts, not that of a triangle that it stands for.
+// The bend between the planes on both sides of an edge. In a facet, the facet's plane counts instead of the triangle's.
 double SolidMeasure::bend_of(int32_t half_edge) const {
   const Facets &facets = surface_.facets;
   const int32_t twin = surface_.half_edges.twin[half_edge];
@@ -129,7 +129,7 @@ SolidMeasure::Seen SolidMeasure::see(int32_t triangle) {
   for (size_t k = 0; k < 3; ++k) seen.size = std::max(seen.size, square_of(seen.corners[k] - seen.corners[(k + 1) % 3]));
   if (!own) {
     seen.height = glm::dot(seen.face.normal, seen.corners[0]);
-    // A center that needles put off the line between two others lies on what is behind them.
+    // A center that is off the line between two others by needles alone lies on the surface behind the needles.
     for (size_t k = 0; k < 3 && std::abs(seen.height) < rounding_; ++k)
       if (segment_distance(seen.corners[k], seen.corners[(k + 1) % 3]) < rounding_) seen.height = 0;
   }
@@ -193,7 +193,7 @@ double SolidMeasure::nearest_crease() const {
   return nearest;
 }
 
-// The edges that start from the point, each with its bend.
+// Adds the bends of the edges that start from the point.
 void SolidMeasure::add_own_edges(Tensor &tensor) {
   const int32_t first = surface_.half_edges.point_half_edge[center_.point];
   for (int32_t corner = first; corner >= 0;) {
@@ -206,11 +206,11 @@ void SolidMeasure::add_own_edges(Tensor &tensor) {
   }
 }
 
-// What lies above or below the center's own place on the triangle's plane. A center sees nothing of planes that it lies on.
+// Adds the part of the face above or below the center on the triangle's plane. Planes through the center contribute nothing.
 void SolidMeasure::add_face(Sums &sums, const Seen &seen) {
   const double height = std::abs(seen.height), disc2 = radius_ * radius_ - height * height, cube = radius_ * radius_ * radius_;
   const bool is_within = seen.farthest <= radius_ * radius_, is_seen = height != 0 && !seen.face.is_needle && disc2 > 0;
-  // The rim may cut what is small anywhere.
+  // The rim may cut a small triangle anywhere.
   const bool is_far = seen.is_small(0.2) && (is_within || seen.size < 0.0025 * radius_ * radius_);
   region_.arcs = 0;
   if (!is_within && disc2 > 0 && ((is_seen && !is_far) || !seen.is_small(0.45)))
@@ -226,7 +226,7 @@ void SolidMeasure::add_face(Sums &sums, const Seen &seen) {
   add_smooth(sums.smooth, seen);
 }
 
-// What its normals turn by, instead of the bends of its edges that are no creases.
+// Adds the turning of the face's own normals, and removes the bends at its edges that are not creases.
 void SolidMeasure::add_smooth(Tensor &tensor, const Seen &seen) {
   const Face &face = seen.face;
   if (seen.is_small(0.2)) return add_turn(tensor, face.normal, face.axes, face.excess, kernel_at(seen.middle2(), radius_));
@@ -247,7 +247,7 @@ void SolidMeasure::add_smooth(Tensor &tensor, const Seen &seen) {
   add_turn(tensor, face.normal, face.axes, face.gradient, amount);
 }
 
-// The face is cut already: region_ has its arcs.
+// Requires that region_ has the face's arcs.
 double SolidMeasure::kernel_over_face(const Seen &seen) {
   double sum =
       region_.arcs * (kernel_values(radius_ * radius_, radius_).up_to - kernel_values(seen.height * seen.height, radius_).up_to);
@@ -262,13 +262,13 @@ double SolidMeasure::kernel_over_face(const Seen &seen) {
   return sum;
 }
 
-// ---- Shares of it
+// ---- Contributions
 
 void SolidMeasure::add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const {
   tensor.add(height < 0 ? -amount : amount, {glm::dot(normal, center_.t1), glm::dot(normal, center_.t2)});
 }
 
-// Taken back; what lies behind the edge has the other half.
+// Subtracts half of a bend; the other half is subtracted for the face across the edge.
 void SolidMeasure::add_bend(Tensor &tensor, dvec3 normal, dvec3 along, double amount) const {
   const double length = glm::length(along);
   if (!(length > 0)) return;
@@ -287,7 +287,7 @@ void SolidMeasure::add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes,
   tensor.yy += amount * (there.xx * u.y * u.y + 2 * there.xy * u.y * v.y + there.yy * v.y * v.y);
 }
 
-// By more than what rounds normals, within the radius; H is off by no more than this over the radius.
+// Whether normals turn by more than their rounding within the radius; ignoring less changes H by at most this over the radius.
 bool SolidMeasure::turns(const PlaneTensor &gradient) const {
   constexpr double least_turn = 1e-6;
   return std::max({std::abs(gradient.xx), std::abs(gradient.xy), std::abs(gradient.yy)}) * radius_ > least_turn;

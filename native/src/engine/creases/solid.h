@@ -1,12 +1,12 @@
-// Creases around a center → the curvature tensor that they and what lies between them make within the ball, and how much of it
-// counts.
+// Creases around a center → the curvature tensor of the creases and the surface between them within the ball, and the weight of
+// that tensor.
 //
 // H of the solid (paper eq. 8, with the true volume V of ball and solid) is a sum over the surface that needs no normal at p:
 //   2 H = 8/(3 pi r) (sum of b_e over the edges e at p + integral of h (1/rho^3 - 1/r^3)), h = d.f, f the face's normal,
 // b_e the angle by which the surface turns at e; both follow from the divergence of d (1 - r^3/rho^3), which vanishes on the
-// ball's rim, and from the solid angle at p, 2 pi - sum of b_e. Each term turns the surface about one axis: across it lies its
-// direction. The bends of edges that are no creases stand for a smooth surface. They are taken back, and the gradients of the
-// normals are added instead, both by the kernel g of the same H for what bends little: 2 H = 8/(pi r^4) integral of g (k1 + k2).
+// ball's rim, and from the solid angle at p, 2 pi - sum of b_e. Each term turns the surface about one axis; its direction in the
+// tensor is perpendicular to that axis. Bends at edges that are not creases represent a smooth surface: they are subtracted, and
+// the gradients of normals are added instead, both by H's kernel g for small bends: 2 H = 8/(pi r^4) integral of g (k1 + k2).
 #pragma once
 
 #include <cstdint>
@@ -30,51 +30,51 @@ struct CreasedSurface {
   const HalfEdges &half_edges;
   const Normals &normals;
   const Creases &creases;
-  const Facets &facets; // of these, or none
+  const Facets &facets; // of the normals and creases, or none
 };
 
 struct SolidCenter {
   dvec3 position;
   dvec3 normal, t1, t2; // orthonormal
   int32_t triangle;
-  int32_t point; // -1: it lies within the triangle
+  int32_t point; // -1: the center lies within the triangle
 };
 
-// A bend below this, in radians, is none.
+// Bends below this angle, in radians, are ignored.
 inline constexpr double LEAST_BEND = 1e-8;
 
 struct SolidTensor {
-  double weight = 0;             // 0 where no crease comes nearer than CREASE_REACH r, 1 where one meets the ball
+  double weight = 0;             // 0 if no crease comes nearer than CREASE_REACH r, 1 if one meets the ball
   double xx = 0, xy = 0, yy = 0; // in the center's tangents, one over units of the positions
 };
 
-// What one thread keeps from center to center.
+// Reused by one thread from center to center, so that arrays stay allocated.
 class SolidMeasure {
 public:
   SolidMeasure(const CreasedSurface &surface, double radius);
   SolidTensor at(const SolidCenter &center);
 
 private:
-  // Symmetric, in the tangent plane of the center.
+  // A symmetric tensor in the tangent plane of the center.
   struct Tensor {
     double xx = 0, xy = 0, yy = 0;
     void add(double amount, dvec2 v);
   };
   struct Sums {
-    Tensor hard, smooth; // of the solid, and of what bends little
+    Tensor hard, smooth; // of the solid; of surface that bends little
   };
   struct Seen;
 
-  // A triangle by itself.
+  // A triangle, independent of the center.
   struct Face {
     dvec3 normal;   // unit
-    PlaneAxes axes; // the first along its edge 0; zero where it has no area
+    PlaneAxes axes; // the first along its edge 0; zero if the face has no area
     double twice_area;
-    bool is_needle;       // which has the normal of what lies behind it
-    double bend[3];       // at each half-edge, positive where it is convex; 0 at boundaries
-    bool is_crease[3];    // likewise
+    bool is_needle;       // has the normal of the face behind it
+    double bend[3];       // at each half-edge, positive if convex; 0 at boundaries
+    bool is_crease[3];    // at each half-edge
     PlaneTensor gradient; // of the normals in its plane
-    PlaneTensor excess;   // its sum over the area, without that of the bends of edges that are no creases
+    PlaneTensor excess;   // the gradient's integral over the area, less the bends of edges that are not creases
   };
 
   const Face &face(int32_t triangle);
@@ -87,13 +87,13 @@ private:
   void add_face(Sums &sums, const Seen &seen);
   void add_smooth(Tensor &tensor, const Seen &seen);
   double kernel_over_face(const Seen &seen);
-  // Of a facet: in solid_facets.cpp.
+  // Functions for facets, in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
   bool add_small(Sums &sums, const Facet &facet, double height) const;
   void cut(const FacetPart &part, double height);
   double arcs_of(const FacetPart &part, double turn, bool is_cut) const;
   void add_part(Sums &sums, const FacetPart &part);
-  // A plane's share, seen under an angle; a bend along an edge; what turns in a plane.
+  // Add a plane seen under a solid angle; a bend along an edge; a gradient of normals in a plane.
   void add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const;
   void add_bend(Tensor &tensor, dvec3 normal, dvec3 along, double amount) const;
   void add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes, const PlaneTensor &there, double amount) const;
@@ -102,12 +102,12 @@ private:
   CreasedSurface surface_;
   double radius_;
   SolidCenter center_{};
-  double rounding_ = 0;       // of its coordinates
-  std::vector<Face> faces_;   // those that were looked at
+  double rounding_ = 0;       // of the center's coordinates
+  std::vector<Face> faces_;   // visited so far
   std::vector<int32_t> face_; // (triangles) in faces_, or -1
   FacetFlood flood_;
   EdgeKernels edges_;
-  CutRegion region_; // of what was cut last
+  CutRegion region_; // of the last cut
 };
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Parts of facets in the ball → the tensor: by their sides alone, however many triangles they have.
+// Parts of facets in the ball → the tensor, by the parts' sides alone, however many triangles there are.
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +10,8 @@ namespace paradesc {
 
 namespace {
 
-// Of a function of the squared distance, over the area around a place far from the center, by moments up to the second;
-// slope and bend are its derivatives.
+// The integral of a function of the squared distance over a facet far from the center, by moments up to the second; slope and
+// bend are the function's derivatives.
 double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, double slope, double bend) {
   const dvec2 m = foot_to_middle;
   const PlaneTensor &s = facet.spread;
@@ -19,7 +19,7 @@ double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, doub
   return facet.area * value + slope * (s.xx + s.yy) + 2 * bend * along;
 }
 
-// Whether it lies to the left of the facet's sides: a ray along the first axis leaves it once more than it enters.
+// Whether the place lies inside the facet: counts the sides that a ray along the first axis crosses.
 bool is_in(dvec2 place, const Facets &facets, const Facet &facet) {
   bool inside = false;
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
@@ -36,7 +36,7 @@ double SolidMeasure::height_over(const Facet &facet, const FacetPart &part) cons
   const std::span<const int32_t> own = flood_.own_facets();
   if (std::find(own.begin(), own.end(), part.facet) != own.end()) return 0;
   const double height = glm::dot(facet.normal, facet.middle - center_.position);
-  // A center that needles put off the line between two others lies on what is behind them.
+  // A center that is off the line between two others by needles alone lies on the surface behind the needles.
   if (std::abs(height) < rounding_)
     for (const int32_t index : flood_.sides(part)) {
       const FacetSide &side = surface_.facets.side[index];
@@ -45,7 +45,7 @@ double SolidMeasure::height_over(const Facet &facet, const FacetPart &part) cons
   return height;
 }
 
-// Whether it was: small against its distance.
+// Adds the facet by a series if it is small for its distance; returns whether it did.
 bool SolidMeasure::add_small(Sums &sums, const Facet &facet, double height) const {
   constexpr double small = 0.1, thin_rim = 0.05;
   const dvec3 middle = facet.middle - center_.position;
@@ -59,7 +59,7 @@ bool SolidMeasure::add_small(Sums &sums, const Facet &facet, double height) cons
   return true;
 }
 
-// The ball's part of a plane → region_.
+// Cuts a plane by the ball → region_.
 void SolidMeasure::cut(const FacetPart &part, double height) {
   const Facet &facet = surface_.facets.facet[part.facet];
   const double rim2 = radius_ * radius_ - height * height;
@@ -78,7 +78,7 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
     }
     const double length2 = glm::dot(way, way), foot = -glm::dot(a, way) / length2, across = cross(a, way);
     const double half2 = (rim2 - across * across / length2) / length2;
-    if (!(half2 > 0) && !begins && !ends) continue; // it touches the rim
+    if (!(half2 > 0) && !begins && !ends) continue; // the side only touches the rim
     const double half = std::sqrt(std::max(half2, 0.0));
     const double from_here = begins ? 0 : std::clamp(foot - half, 0.0, 1.0), to = ends ? 1 : std::clamp(foot + half, 0.0, 1.0);
     if (!(from_here < to)) continue;
@@ -90,8 +90,8 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
   region_.arcs = arcs_of(part, turn, is_cut);
 }
 
-// What of the rim lies in the part of the facet, where some sides were cut by it: up to whole turns, the angles from each end of
-// sides to the next begin add up to what they differ by.
+// The angle of the rim's arcs within the part of the facet. If the rim cuts sides, it is, up to whole turns, the sum of angles
+// from each exit of the ball to the next entry.
 double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) const {
   const Facet &facet = surface_.facets.facet[part.facet];
   const bool is_within = !is_cut && part.end - part.begin == facet.side_end - facet.side_begin;
@@ -99,7 +99,7 @@ double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) co
   const double arcs = turn - 2 * pi * std::floor(turn / (2 * pi));
   constexpr double rounding = 1e-9;
   if (std::min(arcs, 2 * pi - arcs) > rounding) return arcs;
-  // Sides only touch the rim: it is nowhere in the facet, or everywhere.
+  // If sides only touch the rim, the rim is entirely outside the facet, or entirely inside.
   const auto is_inside = [&](int32_t index) {
     const dvec3 p = surface_.facets.side[index].begin - center_.position;
     return glm::dot(p, p) < radius_ * radius_ * (1 + rounding);
