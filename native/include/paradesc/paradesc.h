@@ -8,35 +8,35 @@
  *   A convex place has positive curvature: a sphere of radius R has H = k1 = k2 = 1/R with outward faces.
  *   Units: H, k1, k2, curvedness 1/length; K and local bending energy 1/length^2; sphere volume length^3;
  *   euclidean area length^2; normalized sphere volume, shape index and coverage have none. Length is that of
- *   the positions given: apply the object's scale first where world units are wanted.
+ *   the given positions: apply the object's scale first to get world units.
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
- *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
+ *   vertices, linear on triangles. Derivatives are along the surface, per length. The Harris response is made of r grad f, so
  *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
- *   Derivatives are those of a quadratic, which a part of the surface that is narrower than about a seventh of the radius, or a
- *   quarter at its end, does not determine: gradient and Laplacian do not exist there, nor does Harris where no place of its
- *   window has one.
- *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
- *   raw results.
+ *   Derivatives are those of a fitted quadratic. A part of the surface that is narrower than about a seventh of the radius, or a
+ *   quarter at its end, does not determine a quadratic: gradient and Laplacian are undefined there. Harris is undefined if the
+ *   gradient is undefined everywhere in its window.
+ *   A value that is undefined (shape index of a plane, a loose vertex, no surface found) or overflows a float is NaN in raw
+ *   results.
  *
  * MEMORY AND THREADS
- *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
+ *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who passes their length.
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
- *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
- *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
- *   A process that is forked goes on with the handles of CPU and REFERENCE; devices stay with the other process: what computes there is
- *   refused, and so is a new device, since no driver follows a fork. Any handle may be destroyed.
- *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
+ *   serialized. A mesh must be destroyed before its context; a field may outlive its mesh. A destroyed handle, or one of another
+ *   kind, is refused (INVALID_ARGUMENT) unless a new one has its address. No thread may use a handle that another destroys.
+ *   A forked process can use its handles of CPU and REFERENCE. Devices stay with the original process: in the fork, using them or
+ *   opening others is refused, since no driver supports a fork. Any handle may be destroyed.
+ *   A progress callback may not call into the context that called it: INVALID_OPERATION.
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
  *   do) in pdesc_last_error() of the calling thread. Outputs are untouched on failure. Defects of a mesh that leave sound
- *   vertices are no errors: they are counted in pdesc_mesh_report and the results of the others are given.
+ *   vertices are not errors: they are counted in pdesc_mesh_report, and the sound vertices get results.
  *
  * SAME INPUT, SAME RESULT
- *   One device gives the same bits again, whatever the number of threads and however the work is cut into dispatches; so does
- *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently: on smooth surfaces, at the defaults
- *   of pdesc_options, it differs from REFERENCE by PDESC_PARITY_PERCENT of a descriptor's range over the mesh (areas: of their value),
- *   directions by PDESC_PARITY_DEGREES, both as means over the vertices, and so from any other device by twice that at most.
+ *   One device always gives the same bits, whatever the number of threads and the split of the work into dispatches; so does
+ *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently. On smooth surfaces, at the
+ *   defaults of pdesc_options, a device differs from REFERENCE by at most PDESC_PARITY_PERCENT of a descriptor's range over the
+ *   mesh (areas: of their value) and PDESC_PARITY_DEGREES for directions, as means over vertices; two devices by twice that.
  *
  * GROWTH
  *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
@@ -63,7 +63,7 @@ extern "C" {
 /* Raised when an existing call or struct member changes its meaning; appended members do not raise it. */
 #define PDESC_ABI_VERSION 1
 
-/* What devices may differ by, see SAME INPUT, SAME RESULT. */
+/* Bounds on the differences between devices, see SAME INPUT, SAME RESULT. */
 #define PDESC_PARITY_PERCENT 1.0
 #define PDESC_PARITY_DEGREES 1.0
 
@@ -73,32 +73,33 @@ typedef enum pdesc_status {
   PDESC_ERROR_INVALID_ARGUMENT = 2,  /* an input is unusable; the sentence names the first offender */
   PDESC_ERROR_INVALID_OPERATION = 3, /* the call does not fit the state of the object */
   PDESC_ERROR_OUT_OF_MEMORY = 4,
-  PDESC_ERROR_UNSUPPORTED = 5,       /* no device of the backend asked for, or the device lacks something */
+  PDESC_ERROR_UNSUPPORTED = 5,       /* no device of the requested backend, or the device lacks something */
   PDESC_ERROR_CANCELLED = 6,         /* the progress callback returned 0; the mesh stays usable */
-  PDESC_ERROR_DEVICE_LOST = 7        /* the driver gave the device up; the next compute opens it again, or says that it cannot */
+  PDESC_ERROR_DEVICE_LOST = 7        /* the driver dropped the device; the next compute reopens it, or says that it cannot */
 } pdesc_status;
 
 typedef enum pdesc_backend {
-  PDESC_BACKEND_AUTO = 0,      /* cpu, and software for what takes texture space; see pdesc_context_create */
+  PDESC_BACKEND_AUTO = 0,      /* CPU, and SOFTWARE for options that need texture space; see pdesc_context_create */
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL or WGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
-  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone */
+  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map only at texels */
 } pdesc_backend;
 
 typedef enum pdesc_normals {
-  PDESC_NORMALS_FITTED = 0, /* local jets over mesh rings (Cazals and Pouget), the faces' mean where the surface is not smooth */
+  PDESC_NORMALS_FITTED = 0, /* local jets over mesh rings (Cazals and Pouget); the faces' mean if the surface is not smooth */
   PDESC_NORMALS_MAX = 1,    /* weights sin(angle)/(|e1||e2|) (Max 1999) */
   PDESC_NORMALS_MESH = 2    /* the corner normals given with the mesh */
 } pdesc_normals;
 
-/* The edges along which a surface has no tangent plane. Fitted and Max's normals do not reach over them, and within the radius of one
- * curvatures, their directions, bending energy, cavity, convexity and sphere volume are those of the solid in the ball (paper eq. 8 with
- * its true volume): H = 8 (pi - a)/(3 pi r) on an edge of the inner angle a. From 1.25 radii on they are those of the smooth surface. */
+/* The edges along which a surface has no tangent plane. Fitted and Max's normals do not cross them. Within the radius of such an
+ * edge, curvatures, their directions, bending energy, cavity, convexity and sphere volume are those of the solid in the ball
+ * (paper eq. 8 with the true volume): H = 8 (pi - a)/(3 pi r) on an edge of inner angle a. Beyond 1.25 radii they are the smooth
+ * surface's. */
 typedef enum pdesc_creases {
-  PDESC_CREASES_AUTO = 0,   /* marked edges between smooth faces, and edges that bend far more than what lies beside them and around them */
+  PDESC_CREASES_AUTO = 0,   /* marked edges between smooth faces, and edges that bend far more than the surface around them */
   PDESC_CREASES_MARKED = 1, /* marked edges alone */
-  PDESC_CREASES_NONE = 2    /* curvature as if there were none; normals end at marked edges all the same */
+  PDESC_CREASES_NONE = 2    /* curvature as if there were none; normals still end at marked edges */
 } pdesc_creases;
 
 typedef enum pdesc_radius_unit {
@@ -108,34 +109,34 @@ typedef enum pdesc_radius_unit {
 } pdesc_radius_unit;
 
 typedef enum pdesc_relocation {
-  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found over links between cells of
-                                     the buffer; the same texels for every vertex */
-  PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern carried over seams by itself (paper 3.4, with the affine map of each seam
-                                     edge in place of eq. 2 and 3) */
-  PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, from the center carried
-                                     there (corrected eq. 2 and 3), as far as max_jumps charts away */
+  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found across links between
+                                     cells of the buffer; the same texels for every vertex */
+  PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern is carried across seams by itself (paper 3.4, with the affine map of
+                                     each seam edge in place of eq. 2 and 3) */
+  PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, around the center
+                                     carried there (corrected eq. 2 and 3), up to max_jumps charts away */
 } pdesc_relocation;
 
 typedef enum pdesc_estimator {
   PDESC_ESTIMATOR_SHAPE_OPERATOR = 0, /* curvatures are those of the least-squares shape operator */
   PDESC_ESTIMATOR_INTEGRAL = 1,       /* the paper's: H from the sphere volume (8), K from the geodesic area (11-14), k1 and k2 (10) */
-  PDESC_ESTIMATOR_EXTRAPOLATED = 2    /* the shape operator without what the radius blurs, to lowest order: 5 S' - 4 S, S in the window
-                                         1 - t, S' in its square, t = (distance/r)^2. Noise counts more: a larger radius suits it */
+  PDESC_ESTIMATOR_EXTRAPOLATED = 2    /* the shape operator without the radius' blur, to lowest order: 5 S' - 4 S, S in the
+                                         window 1 - t, S' in its square, t = (distance/r)^2. Use a larger radius: noise grows */
 } pdesc_estimator;
 
 typedef enum pdesc_variance_reduction {
-  PDESC_VARIANCE_REDUCTION_SHAPE = 0, /* integrals are taken of what the shape operator does not explain, and its exact part is added */
+  PDESC_VARIANCE_REDUCTION_SHAPE = 0, /* samples only integrate what the shape operator does not explain; its part is exact */
   PDESC_VARIANCE_REDUCTION_NONE = 1   /* the plain sums of the paper */
 } pdesc_variance_reduction;
 
 typedef enum pdesc_geodesic {
   PDESC_GEODESIC_LOCAL = 0, /* s = rho (1 + (k rho)^2/24), k the normal curvature from p to q */
-  PDESC_GEODESIC_CHORDS = 1 /* the paper's sum of chords along the straight way in the UV map; AFFINE and PAPER relocation only */
+  PDESC_GEODESIC_CHORDS = 1 /* the paper's sum of chords along the straight path in the UV map; AFFINE and PAPER only */
 } pdesc_geodesic;
 
 typedef enum pdesc_distance {
-  PDESC_DISTANCE_EUCLIDEAN = 0, /* the neighborhood is what lies in the ball */
-  PDESC_DISTANCE_GEODESIC = 1   /* what lies within r along the surface */
+  PDESC_DISTANCE_EUCLIDEAN = 0, /* the neighborhood is the surface in the ball */
+  PDESC_DISTANCE_GEODESIC = 1   /* the neighborhood is the surface within r along the surface */
 } pdesc_distance;
 
 typedef enum pdesc_pattern {
@@ -145,19 +146,19 @@ typedef enum pdesc_pattern {
 
 typedef enum pdesc_ellipse {
   PDESC_ELLIPSE_CENTER = 0,     /* A(s) by the distortion at the center */
-  PDESC_ELLIPSE_DIRECTIONAL = 1 /* each direction stretched by the largest distortion on its way (paper 4.1) */
+  PDESC_ELLIPSE_DIRECTIONAL = 1 /* each direction stretched by the largest distortion along it (paper 4.1) */
 } pdesc_ellipse;
 
 typedef enum pdesc_evaluate {
   PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
-  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly,
-                                beside a chart's border by a plane fitted to its texels. A vertex without a place in the UV map is NaN */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does. Vertices are looked up in it,
+                                bilinearly, or by a plane fitted to texels beside a border; NaN without a place in the UV map */
 } pdesc_evaluate;
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 32 instead of 48 bytes a texel. What rounding takes from positions and normals is kept in
-                               numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
+  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 32 instead of 48 bytes a texel. Unused numbers keep the rounding errors of positions
+                               and normals, so results hardly change; the center of an evaluation stays in 32 bits */
 } pdesc_precision;
 
 /* Bits of a vertex' mask. */
@@ -185,7 +186,7 @@ typedef struct pdesc_descriptor_info {
   int32_t length_power;     /* unit is length^power: -1 for H */
   int32_t is_signed;        /* 1: zero is the neutral value, show with a diverging color map */
   double neutral_value;     /* the value of a plane (NaN where a plane has none); in units that do not depend on r */
-  double display_minimum;   /* fixed display range, NaN where the range is to be taken from the values */
+  double display_minimum;   /* fixed display range, NaN if the range is to follow from the values */
   double display_maximum;
   int32_t components;       /* 1, or 3: a vector in object space */
   int32_t map_degree;       /* 0: a descriptor of the surface; else an operator on pdesc_options.map_descriptor, whose unit is
@@ -208,18 +209,18 @@ typedef struct pdesc_context_options {
 } pdesc_context_options;
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
-/* options may be NULL: defaults. AUTO is CPU on every system; GPU is taken by its name alone. What belongs to texture space alone - the
- * relocations AFFINE and PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to SOFTWARE, with a
- * sentence in the field's warnings, and is UNSUPPORTED where there is none. A device that fails gives the error, and the context stays
- * usable. */
+/* options may be NULL: defaults. AUTO is CPU on every system; GPU must be requested. Under AUTO, options that only texture space
+ * supports (relocations AFFINE and PAPER, half floats, adaptive sampling, seam errors, buffers to be read) are computed by
+ * SOFTWARE, with a sentence in the field's warnings; they are UNSUPPORTED if there is no software device. If a device fails, the
+ * call returns its error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
 /* The strings live as long as the context. */
 PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* the pdesc_backend in use */
 PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
-PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* always "": AUTO needs no device. For callers of earlier versions */
+PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* always "", for older callers */
 
-/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few milliseconds. */
+/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread every few ms. */
 typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
 
 /* ---- Mesh --------------------------------------------------------------------------------------------------------------- */
@@ -236,8 +237,8 @@ typedef struct pdesc_mesh_input {
   const float *corner_uvs;           /* (corner_count, 2), or NULL: REFERENCE computes, and CPU at vertices */
   const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
   const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
-  const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
-                                        Max's normals do not reach across them */
+  const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Fitted and Max's normals do not
+                                        cross those between two smooth faces */
   int32_t sharp_edge_count;
   pdesc_progress progress;           /* called with stage "mesh" and fraction 0 while the mesh is made, or NULL */
   void *user;                        /* its first argument */
@@ -245,32 +246,32 @@ typedef struct pdesc_mesh_input {
 
 PDESC_API void pdesc_mesh_input_init(pdesc_mesh_input *input);
 
-/* What was found in a mesh. Counts are of triangles, edges or vertices as named. */
+/* Properties and defects of a mesh. Counts are of triangles, edges or vertices as named. */
 typedef struct pdesc_mesh_report {
   uint32_t struct_size;
   int32_t vertex_count;
   int32_t triangle_count;
   int32_t loose_vertices;           /* no usable face */
-  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter): at the same position,
-                                       or beside open edges where positions differ by rounding alone, 16 units in the last place */
+  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter): at the same
+                                       position, or beside open edges within rounding, 16 units in the last place */
   int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
-  int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel: no area in the UV map, or a needle of less than 1e-7 of it */
-  int32_t flipped_triangles;        /* their UV orientation is that of the lesser part of the UV area */
+  int32_t zero_uv_area_triangles;   /* on the surface, but without texels: no area in the UV map, or a needle below 1e-7 of it */
+  int32_t flipped_triangles;        /* their UV orientation is the one with less UV area */
   int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: taken apart */
   int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: taken apart */
   int32_t boundary_edges;           /* one face */
   int32_t charts;
   int32_t seam_edges;               /* mesh edges whose two sides lie apart in the UV map */
   int32_t self_seam_edges;          /* of those, within one chart */
-  int32_t unlinked_edges;           /* chart edges that border a triangle without UV area: nothing can be carried across */
-  int32_t parts;                    /* connected pieces */
+  int32_t unlinked_edges;           /* chart edges beside a triangle without UV area, across which nothing can be carried */
+  int32_t parts;                    /* connected components */
   int32_t uv_remapped;              /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
   float diagonal;                   /* of the bounding box of the vertices with a face */
   float mean_edge;
-  int32_t copied_triangles;         /* at the same three places as others that are wound alike or have the same vertices: left out. Their
-                                       vertices have the values of the surface there */
-  int32_t opposed_edges;            /* of the nonmanifold_edges: all faces run along them the same way, wound against each other */
-  int32_t inward_parts;             /* closed parts with the outside inside (a negative volume) that are no hollow of a larger part */
+  int32_t copied_triangles;         /* left out: at the same three places as others that are wound alike or have the same
+                                       vertices. Their vertices get the values of the surface there */
+  int32_t opposed_edges;            /* nonmanifold_edges along which all faces run the same way, wound against each other */
+  int32_t inward_parts;             /* closed parts that are inside out (negative volume), except hollows of a larger part */
 } pdesc_mesh_report;
 
 PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
@@ -278,23 +279,25 @@ PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
 /* Validates and copies the input, builds adjacency, charts and seams. INVALID_ARGUMENT names the first index or coordinate
  * that cannot be used. */
 PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
-/* New positions for the same topology: (vertex_count, 3). Report's diagonal, mean_edge and inward_parts follow. Results are those of a new
- * mesh, to the bit, as long as the same vertices coincide (beside open edges to rounding, see welded_vertices), the same triangles have no
- * area, no vertex has several fans of faces and private_layout is 0: these stay as the mesh was made, and so do corner_normals. */
+/* New positions for the same topology: (vertex_count, 3). The report's diagonal, mean_edge and inward_parts are updated. Results
+ * have the same bits as a new mesh's if the same vertices coincide (beside open edges to rounding, see welded_vertices), the same
+ * triangles have no area, no vertex has several fans of faces, and private_layout is 0. These stay as at creation, and so do
+ * corner_normals. */
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
-/* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
- * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
- * outside [0,1]. Images are copied; NULL takes a map away. CPU and REFERENCE divide the triangles for a map, until pieces are as small as
- * its pixels or an eighth of the radius, into some 4 million pieces at most: a field's warnings say where details are missing for that.
- * GPU and SOFTWARE follow maps at vertices, not at texels. */
-/* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit normal,
- * scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
+/* Images over the mesh's UV map, which change the measured surface but not the mesh: diagonal, mean edge and report stay those of
+ * the base. Rows run from bottom to top as v does (as in Blender's images); lookups are bilinear by the UVs as given, and repeat
+ * outside [0,1]. Images are copied; NULL removes a map. CPU and REFERENCE divide triangles for a map until pieces are as small as
+ * its pixels or an eighth of the radius, into about 4 million pieces at most; a field's warnings name details that are lost by
+ * that limit. GPU and SOFTWARE follow maps at vertices, not at texels. */
+/* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale; n is the interpolated unit
+ * normal, scale is in units of the positions. A vertex with several places in the UV map moves by their mean by angle. */
 PDESC_API int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height,
                                               double midlevel, double scale);
-/* Normal map: (height, width, 3) red, green, blue in [0,1] for components -1 to 1 in the tangent space of each corner (MikkTSpace):
- * corner_tangents (corner_count, 4) are the unit tangent and the sign of the bitangent, sign * cross(normal, tangent). Its normals are
- * the corner normals given with the mesh, else those computed: give the mesh's own where the map was made from them. The map's normals
- * replace those of the surface, displaced or not. After pdesc_mesh_set_positions set it again with the new tangents. */
+/* Normal map: (height, width, 3) red, green, blue in [0,1] for components -1 to 1 in the tangent space of each corner
+ * (MikkTSpace). corner_tangents (corner_count, 4): the unit tangent, and the sign of the bitangent, sign * cross(normal,
+ * tangent). The tangent space's normals are the mesh's corner normals if given (give those that the map was made from), else the
+ * computed normals. The map's normals replace the surface's, displaced or not. After pdesc_mesh_set_positions set the map again
+ * with new tangents. */
 PDESC_API int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t width, int32_t height,
                                             const float *corner_tangents, int32_t corner_count);
 PDESC_API int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report);
@@ -344,39 +347,39 @@ PDESC_API int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
-/* What a computation would take, in bytes, found from counts and options before anything is allocated. A little more than it comes
- * to, as a rule. pdesc_mesh_create and pdesc_compute refuse (OUT_OF_MEMORY, with these numbers) what is more than allowed; so they do
- * where a neighborhood turns out to have too many pieces on the way. */
+/* The bytes that a computation would take, computed from counts and options before anything is allocated; usually slightly above
+ * the true need. pdesc_mesh_create and pdesc_compute refuse more than is allowed (OUT_OF_MEMORY, with these numbers), also if a
+ * neighborhood turns out to have too many pieces during the computation. */
 typedef struct pdesc_memory {
   uint32_t struct_size;
   int64_t mesh;    /* held by the mesh, with or without a computation */
-  int64_t host;    /* at the peak of the computation, beside the mesh */
+  int64_t host;    /* at the peak of the computation, in addition to the mesh */
   int64_t device;  /* of the device at the peak; 0 on REFERENCE */
   int64_t total;   /* of the host at the peak: mesh, host, and on SOFTWARE device */
-  int64_t allowed; /* of total: pdesc_context_options.memory_limit, else mesh and half of what is free now */
+  int64_t allowed; /* limit of total: pdesc_context_options.memory_limit, or mesh and half of the free memory */
 } pdesc_memory;
 PDESC_API void pdesc_memory_init(pdesc_memory *memory);
-/* backend: a pdesc_backend, AUTO for the one that would compute, as pdesc_mesh_backend says. */
+/* backend: a pdesc_backend; AUTO: the one that would compute, see pdesc_mesh_backend. */
 PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                     int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
 
-/* Why a mesh was given a private layout: its charts moved, turned and scaled, strongly stretched ones along one direction alone, their
- * texel densities brought within a factor of two of the median. The mesh keeps it; the UV map itself is not touched, and
- * pdesc_mesh_report goes on describing that. */
+/* The reason for a private layout, in which charts are moved, turned and scaled (strongly stretched ones along one direction),
+ * and their texel densities are within a factor of two of the median. The mesh keeps the layout; the UV map itself is unchanged,
+ * and pdesc_mesh_report still describes the UV map. */
 typedef enum pdesc_layout {
-  PDESC_LAYOUT_GIVEN = 0,    /* none: the UV map was used as it is, outside [0,1] after one affine map */
-  PDESC_LAYOUT_OVERLAPS = 1, /* places of the UV map belonged to several triangles, of several charts or of one */
-  PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
-                                surface has 1.5 times as many now along a line in the direction that has the fewest */
+  PDESC_LAYOUT_GIVEN = 0,    /* none: the UV map was used as it is, or after one affine map if it leaves [0,1] */
+  PDESC_LAYOUT_OVERLAPS = 1, /* places in the UV map belonged to several triangles, of one or several charts */
+  PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them; half of the
+                                surface now has 1.5 times as many along a line, in the direction that has the fewest */
 } pdesc_layout;
-/* What the last compute baked, in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if nothing was; and
- * (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
- * (1, the chart beyond a seam that runs through the texel, -1 for none), "distortion" (4: sigma_u, sigma_v, theta_e, area element,
- * paper 3.3). NaN where no chart is. count: of floats. */
+/* The buffers of the last compute in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if there are
+ * none; and (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal"
+ * (3), "chart" (1, a number, -1 for none), "neighbor" (1, the chart beyond a seam that runs through the texel, -1 for none),
+ * "distortion" (4: sigma_u, sigma_v, theta_e, area element, paper 3.3). NaN off the charts. count: of floats. */
 PDESC_API int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh);
 PDESC_API int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count);
-/* (triangle_count, 3, 2) the (u, v) in use of every triangle's corners: the UV map's own, or those of the private layout, as the last
- * compute left it. Maps and buffers lie in it. */
+/* (triangle_count, 3, 2) the (u, v) of every triangle's corners in the layout of the last compute: the UV map's own, or those of
+ * the private layout. Maps and buffers use this layout. */
 PDESC_API int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count);
 
 typedef struct pdesc_field_report {
@@ -386,7 +389,7 @@ typedef struct pdesc_field_report {
   int32_t undefined_vertices;   /* NaN in at least one of the descriptors */
   int32_t boundary_vertices;    /* PDESC_MASK_BOUNDARY */
   int32_t low_coverage_vertices;
-  int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used: only where rasterizers round */
+  int32_t overlapping_texels;   /* texels claimed by several triangles in the layout used: only by rounding of rasterizers */
   int32_t covered_texels;
   int32_t bare_triangles;       /* usable triangles without a texel of their own */
   double radius_in_texels;      /* median of the support radius measured in texels, in the direction that has the fewest; below 4 the
@@ -401,7 +404,7 @@ typedef struct pdesc_field_report {
   double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
   int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
   int32_t backend;              /* the pdesc_backend that computed */
-  double memory_megabytes;      /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
+  double memory_megabytes;      /* host memory of the mesh and the computation at the peak, as forecast by pdesc_mesh_memory */
   int32_t crease_edges;         /* edges of the mesh that counted as creases at this radius */
 } pdesc_field_report;
 
@@ -412,19 +415,19 @@ PDESC_API const char *pdesc_field_warnings(const pdesc_field *field);
 /* The name of the device that computed, for people. */
 PDESC_API const char *pdesc_field_device(const pdesc_field *field);
 
-/* values: (vertex_count) float32, one for each original vertex; (vertex_count, 3) of a descriptor with three components.
- * name: a descriptor asked for, or "coverage". */
+/* values: (vertex_count) float32, one for each original vertex; (vertex_count, 3) for a descriptor with three components.
+ * name: a requested descriptor, or "coverage". */
 PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
-/* The largest difference between the results from two places of the vertex in the UV map; NaN at a vertex with one place.
+/* The largest difference between the results at two places of the vertex in the UV map; NaN at a vertex with one place.
  * Needs options.seam_error = 1, and texture space: GPU, SOFTWARE or AUTO. */
 PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* (vertex_count) bits PDESC_MASK_*. */
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);
-/* (vertex_count) 1 where a seam of the UV map, or of the private layout, lies within the radius, measured along edges from vertex to
- * vertex. */
+/* (vertex_count) 1 if a seam of the UV map, or of the private layout, lies within the radius, measured along edges between
+ * vertices. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
-/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 where there is none; and its values over the layout used, row by row from
- * v = 0 up, each row from u = 0: (size, size, components). NaN where no surface is. count: of floats. */
+/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 if there is none; and its values over the layout used, row by row from
+ * v = 0 up, each row from u = 0: (size, size, components). NaN off the surface. count: of floats. */
 PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
 PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
@@ -433,5 +436,5 @@ PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 }
 #endif
 
-#include "images.h" /* what needs no context */
+#include "images.h" /* functions that need no context */
 #endif
