@@ -183,7 +183,7 @@ bool find_shape_operator(Sums sums, OUT(vec3) shape) {
   return found;
 }
 
-// Whether the normals deviate from the shape operator's prediction by more than the threshold.
+// Returns whether the normals deviate from the shape operator's prediction by more than the threshold.
 bool is_rough(Moments m) {
   vec3 shape;
   if (!fit_shape_operator(m.xx, m.xy, shape)) return true;

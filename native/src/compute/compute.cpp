@@ -107,7 +107,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   return field;
 }
 
-// Whether the device failed, as opposed to bad input or a caller who cancelled.
+// Returns whether the device failed, as opposed to bad input or a caller who cancelled.
 static bool is_of_device(const Error &error) {
   return error.status() == PDESC_ERROR_UNSUPPORTED || error.status() == PDESC_ERROR_OUT_OF_MEMORY ||
          error.status() == PDESC_ERROR_DEVICE_LOST || error.status() == PDESC_ERROR_UNKNOWN;

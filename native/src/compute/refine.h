@@ -6,7 +6,8 @@
 
 namespace paradesc {
 
-// Whether a computation on this backend divides the mesh for its maps; can be called before an engine is open. backend: not AUTO.
+// Returns whether a computation on this backend divides the mesh for its maps; can be called before an engine is open. backend:
+// not AUTO.
 bool is_divided(const Mesh &mesh, int32_t backend);
 
 const DivisionPlan &division_plan_of(Mesh &mesh, const pdesc_options &options);

@@ -19,7 +19,7 @@ Three sorted_ids(const std::vector<int32_t> &ids, int32_t triangle) {
   return three;
 }
 
-// Whether an even number of swaps sorts the ids of a triangle's corners.
+// Returns whether an even number of swaps sorts the ids of a triangle's corners.
 bool is_even(const std::vector<int32_t> &ids, int32_t triangle) {
   const int32_t *id = &ids[3 * triangle];
   return (id[0] > id[1]) == ((id[1] > id[2]) != (id[0] > id[2]));

@@ -17,7 +17,8 @@ struct Copies {
   std::vector<std::vector<int32_t>> groups; // of several triangles each, ascending
 };
 
-// Whether some triangle of these half-edges, at places shared with other vertices, lies at the same three places as another one.
+// Returns whether some triangle of these half-edges, at places shared with other vertices, lies at the same three places as
+// another one.
 bool has_copies_of(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out,
                    std::span<const int32_t> half_edges);
 

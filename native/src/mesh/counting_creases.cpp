@@ -9,7 +9,7 @@
 
 namespace paradesc {
 
-// Whether the other edges turn the normals less than the creases do, or turn them by noise alone.
+// Returns whether the other edges turn the normals less than the creases do, or turn them by noise alone.
 static bool stands_out(const EdgeLine &, const Turning &turning) {
   constexpr double most_others = 0.7;
   return turning.edges >= turning.others || turning.others_net2 <= most_others * most_others * turning.edges * turning.edges;

@@ -32,7 +32,7 @@ Outline outline(const Charts &charts, int32_t triangle) {
   return result;
 }
 
-// Whether all of b lies beyond one of a's edges.
+// Returns whether all of b lies beyond one of a's edges.
 bool parted_by_an_edge(const Outline &a, const Outline &b) {
   const double turn = cross(a.corner[1] - a.corner[0], a.corner[2] - a.corner[0]) < 0.0 ? -1.0 : 1.0;
   for (size_t i = 0; i < 3; ++i) {
@@ -298,7 +298,7 @@ bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   return cutting.pieces > first + 1;
 }
 
-// Whether triangles of two different charts overlap. Must be called when no chart overlaps itself.
+// Returns whether triangles of two different charts overlap. Must be called when no chart overlaps itself.
 bool charts_overlap(const Charts &charts, Occupancy &occupancy) {
   const Range range = range_of(charts);
   occupancy.set_range(range.low, range.high);

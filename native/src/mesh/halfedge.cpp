@@ -115,8 +115,8 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
   return read_twins(mesh, face_triangle, corner_vertex);
 }
 
-// Whether unpaired half-edges run between the same two points: OpenMesh knows only one edge there, and would pair them or refuse
-// a face. This can only happen at an edge that was taken apart, at a point of several vertices, or at copies of faces.
+// Returns whether unpaired half-edges run between the same two points: OpenMesh knows only one edge there, and would pair them or
+// refuse a face. This can only happen at an edge that was taken apart, at a point of several vertices, or at copies of faces.
 bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
   std::vector<int32_t> fan_vertex(fans.count);
   for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];

@@ -17,7 +17,7 @@ struct RayHit {
   std::array<double, 3> weights{};
 };
 
-// Whether hit a comes before hit b. At equal distances the one ahead of the point comes first, then the lower triangle.
+// Returns whether hit a comes before hit b. At equal distances the one ahead of the point comes first, then the lower triangle.
 bool is_nearer(const RayHit &a, const RayHit &b);
 
 // A ray in its own coordinates, in which it is the third axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
@@ -28,7 +28,7 @@ public:
   // The direction must not be zero, and all numbers must be finite.
   Ray(dvec3 point, dvec3 direction);
 
-  // Intersects the triangle, on either side of the ray's point, if the triangle's front faces along the direction.
+  // Intersects the triangle, on either side of the ray's point, if the triangle's outside faces along the direction.
   RayHit meet(int32_t triangle, dvec3 a, dvec3 b, dvec3 c) const;
 
   const dvec3 &point() const { return point_; }

@@ -44,7 +44,7 @@ public:
     return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
   }
 
-  // Whether no border of the chart crosses the segment from a to b, which lie in one texel or in adjacent texels.
+  // Returns whether no border of the chart crosses the segment from a to b, which lie in one texel or in adjacent texels.
   bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
     const int x0 = floor_of(std::min(a.x, b.x)), x1 = floor_of(std::max(a.x, b.x));
     const int y0 = floor_of(std::min(a.y, b.y)), y1 = floor_of(std::max(a.y, b.y));
@@ -54,7 +54,7 @@ public:
     return true;
   }
 
-  // Whether the segment from a to b, both in this texel, crosses the chart's borders an odd number of times.
+  // Returns whether the segment from a to b, both in this texel, crosses the chart's borders an odd number of times.
   bool crosses_oddly(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
     bool odd = false;
     each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
@@ -65,7 +65,7 @@ public:
   }
 
   bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
-  // Whether no border runs through this texel or the texels around it.
+  // Returns whether no border runs through this texel or the texels around it.
   bool is_far_from_borders(int x, int y) const { return grid_.cells[2 * index(x, y)] > 0; }
   int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that owns the texel, also by an edge line
 

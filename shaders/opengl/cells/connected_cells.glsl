@@ -22,7 +22,7 @@ void reach(int k) {
   if (is_taken(k)) --missing;
 }
 
-// Whether a boundary edge of the mesh that a taken cell touches meets the ball.
+// Returns whether a boundary edge of the mesh that a taken cell touches meets the ball.
 bool boundary_meets(vec3 center, ivec2 near_cells) {
   bool boundary = false;
   for (int word = 0; word < NEAR_WORDS; ++word)

@@ -22,8 +22,8 @@ vec4 sphere_of(int cell) { return intBitsToFloat(texelFetch(cell_traits, CELL_TR
 // The distance from a point to halfway between a cell's middle and its nearest part: this misleads least if cells differ in size.
 float away(vec4 sphere, vec3 point) { return length(sphere.xyz - point) - 0.5 * sphere.w; }
 
-// Whether some neighbor of a cell is closer to the middle of a ball and on the same list. Following such neighbors leads every
-// cell to one that has none: if a list has only one of these, the whole list is connected.
+// Returns whether some neighbor of a cell is closer to the middle of a ball and on the same list. Following such neighbors leads
+// every cell to one that has none: if a list has only one of these, the whole list is connected.
 bool has_closer_neighbor(vec4 sphere, ivec2 neighbors, vec4 ball) {
   float own = away(sphere, ball.xyz);
   bool closer = false;

@@ -45,7 +45,7 @@ bool in_ball(vec3 point, vec3 center) {
   return dot(gap, gap) < params.radius * params.radius;
 }
 
-// Whether a boundary edge of the mesh meets the ball.
+// Returns whether a boundary edge of the mesh meets the ball.
 bool edge_in_ball(int edge, vec3 center) {
   vec3 from = texelFetch(boundary_ends, 2 * edge).xyz, way = texelFetch(boundary_ends, 2 * edge + 1).xyz - from;
   float square = dot(way, way);

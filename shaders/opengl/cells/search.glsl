@@ -3,7 +3,7 @@
 layout(std140, binding = BLOCK_SEARCH) uniform Search { SearchParams search; };
 layout(std430, binding = BINDING_COUNTS) restrict buffer Counts { SearchCounts counts; };
 
-// Whether the lists of samples and cells have room, or all lists. If not, they are made longer and the search is repeated.
+// Return whether the lists of samples and cells have room, or all lists. If not, they are made longer and the search is repeated.
 bool cells_fit() {
   return counts.samples <= search.room.samples && counts.fine <= search.room.fine && counts.cells <= search.room.cells &&
          counts.longest <= search.room.longest;

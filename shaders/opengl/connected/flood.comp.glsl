@@ -30,7 +30,7 @@ layout(binding = UNIT_PATCH_SPHERES) uniform samplerBuffer patch_spheres;
 
 bool is_inside(vec3 offset) { return dot(offset, offset) < 1.0; }
 
-// Whether an edge meets the ball.
+// Returns whether an edge meets the ball.
 bool meets(vec3 a, vec3 b) {
   vec3 way = b - a;
   float size = dot(way, way), along = -dot(a, way);

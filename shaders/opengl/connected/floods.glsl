@@ -12,7 +12,7 @@ int first_place(int patch_number, int size) {
   return int((bits ^ bits >> 15) & uint(size - 1));
 }
 
-// Whether the flood of the i-th center that is computed again reached the triangle of this code.
+// Returns whether the flood of the i-th center that is computed again reached the triangle of this code.
 bool was_reached(int i, int code) {
   int patch_number = code / PATCH_TRIANGLES, table = table_again(i), place = first_place(patch_number, params.flood_table);
   for (int found = connected[table + 2 * place]; code >= 0 && found >= 0; found = connected[table + 2 * place]) {

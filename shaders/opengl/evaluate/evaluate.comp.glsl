@@ -15,7 +15,7 @@ layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { ui
 #if EXACT
 layout(binding = UNIT_TRIANGLE_CODES) uniform isamplerBuffer triangle_codes;
 int number_again;
-// Whether the triangle is connected to the center within the ball.
+// Returns whether the triangle is connected to the center within the ball.
 bool is_connected(int triangle) { return was_reached(number_again, texelFetch(triangle_codes, triangle).x); }
 #else
 bool is_connected(int triangle) { return true; }

@@ -45,7 +45,8 @@ vec2 to_disk(int visit, mat2 axes, vec2 position) {
   return inverse(mat2(m.xy, m.zw) * axes) * (position - visits[visit].center);
 }
 
-// Whether no other visit of the same chart has a center nearer to the position; `away` is the distance from this visit's center.
+// Returns whether no other visit of the same chart has a center nearer to the position; `away` is the distance from this visit's
+// center.
 bool is_nearest(int visit, mat2 axes, vec2 position, float away) {
   int other = visits[visit].next;
   for (int k = 0; k < MAX_VISITS && other != visit; ++k) {
@@ -56,7 +57,7 @@ bool is_nearest(int visit, mat2 axes, vec2 position, float away) {
   return true;
 }
 
-// Whether a position lies on a chart: either its texel's center does and no border separates them, or neither holds.
+// Returns whether a position lies on a chart: either its texel's center does and no border separates them, or neither holds.
 bool on_chart(vec2 position, int chart) {
   if (any(lessThan(position, vec2(0.0))) || any(greaterThanEqual(position, vec2(buffer_size)))) return false;
   ivec2 texel = ivec2(position);
@@ -92,7 +93,7 @@ bool mark_charts(inout Sums sums, SamplingEllipse ellipse) {
   return left;
 }
 
-// Whether the pattern of some visit contains the end of a sample's own march.
+// Returns whether the pattern of some visit contains the end of a sample's own march.
 bool is_visited(March march, SamplingEllipse ellipse) {
   for (int k = first_visit; k < first_visit + visit_count; ++k) {
     if (visits[k].chart != march.chart) continue;

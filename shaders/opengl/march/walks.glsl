@@ -49,7 +49,7 @@ March march_to(SamplingEllipse ellipse, PatternSample goal) {
   return march;
 }
 
-// Whether the mesh's boundary stopped this march within the ball.
+// Returns whether the mesh's boundary stopped this march within the ball.
 bool hits_boundary(March march, Center center) {
   ivec2 texel;
   if (march.outcome != BOUNDARY || !find_texel(march.to, march.chart, texel)) return false;

@@ -54,7 +54,7 @@ void FacetFlood::reach(int32_t triangle) {
   reached_.push_back(triangle);
 }
 
-// Whether the ball can cut only one part out of the facet; if so, that part is reached.
+// Returns whether the ball can cut only one part out of the facet; if so, that part is reached.
 bool FacetFlood::is_one(int32_t index) {
   Met &met = met_[index];
   if (met.place == places_) return met.cut == Cut::one;

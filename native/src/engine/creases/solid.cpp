@@ -44,7 +44,7 @@ struct SolidMeasure::Seen {
   std::array<dvec3, 3> corners;
   double height;                  // of its plane; 0 where the center lies on it
   double nearest, farthest, size; // distances of corners, the longest edge; squared
-  // Whether the triangle is smaller than this share of its distance, so that integrands vary little over it.
+  // Returns whether the triangle is smaller than this share of its distance, so that integrands vary little over it.
   bool is_small(double share) const { return size < share * share * nearest; }
   double middle2() const { return square_of((corners[0] + corners[1] + corners[2]) / 3.0); }
   double edge_middle2(size_t k) const { return square_of(0.5 * (corners[k] + corners[(k + 1) % 3])); }
@@ -287,7 +287,8 @@ void SolidMeasure::add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes,
   tensor.yy += amount * (there.xx * u.y * u.y + 2 * there.xy * u.y * v.y + there.yy * v.y * v.y);
 }
 
-// Whether normals turn by more than their rounding within the radius; ignoring less changes H by at most this over the radius.
+// Returns whether normals turn by more than their rounding within the radius; ignoring less changes H by at most this over the
+// radius.
 bool SolidMeasure::turns(const PlaneTensor &gradient) const {
   constexpr double least_turn = 1e-6;
   return std::max({std::abs(gradient.xx), std::abs(gradient.xy), std::abs(gradient.yy)}) * radius_ > least_turn;

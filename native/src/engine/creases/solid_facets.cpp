@@ -19,7 +19,7 @@ double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, doub
   return facet.area * value + slope * (s.xx + s.yy) + 2 * bend * along;
 }
 
-// Whether the place lies inside the facet: counts the sides that a ray along the first axis crosses.
+// Returns whether the place lies inside the facet: counts the sides that a ray along the first axis crosses.
 bool is_in(dvec2 place, const Facets &facets, const Facet &facet) {
   bool inside = false;
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {

@@ -52,7 +52,7 @@ struct EvaluateSettings {
     if (search) return search->most_centers();
     return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
   }
-  // Whether areas are computed, which face normals make exact.
+  // Returns whether areas are computed, which face normals make exact.
   bool faces() const;
   // The number of value rows, which follow ROW_DESCRIPTORS in the results.
   size_t value_rows() const;

@@ -27,9 +27,10 @@ public:
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
   int group_size() const { return group_size_; }             // invocations that a device runs together
   int list_texels() const { return list_texels_; }           // of a buffer texture, at most
-  // Whether nothing more can be computed here, because some work ended with DEVICE_LOST or the thread is in another process.
+  // Returns whether nothing more can be computed here, because some work ended with DEVICE_LOST or the thread is in another
+  // process.
   bool lost() const { return shared_->lost || is_left_behind(); }
-  // Whether this process was forked from the thread's own. Objects on the device must then be left as they are.
+  // Returns whether this process was forked from the thread's own. Objects on the device must then be left as they are.
   bool is_left_behind() const;
 
 private:

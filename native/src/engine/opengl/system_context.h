@@ -37,7 +37,7 @@ private:
   std::unique_ptr<System> system_;
 };
 
-// Whether a list of words, which may be nullptr, contains `name`.
+// Returns whether a list of words, which may be nullptr, contains `name`.
 inline bool has_extension(const char *list, const char *name) {
   const std::string padded = std::string(" ") + (list ? list : "") + " ";
   return padded.find(std::string(" ") + name + " ") != std::string::npos;

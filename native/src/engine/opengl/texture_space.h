@@ -73,7 +73,7 @@ struct BakedLayout {
   int texelless_triangles = 0; // triangles on charts that got no texel
 };
 
-// Whether each wedge starts alone, and the seed.
+// The key of centers at vertices: whether each wedge starts alone, and the seed.
 using CentersKey = std::pair<bool, uint32_t>;
 
 // Centers at vertices that start in cells, in the order in which they are evaluated.
@@ -232,8 +232,8 @@ private:
 // at every radius.
 int block_size(double radius_in_texels, int samples, int buffer_size);
 
-// Whether nothing on the processor needs the normals of these options. The device then fits them itself, unless there are creases
-// or it cannot list the rings.
+// Returns whether nothing on the processor needs the normals of these options. The device then fits them itself, unless there are
+// creases or it cannot list the rings.
 bool device_may_fit_normals(const pdesc_options &options, bool surface_maps);
 
 std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);

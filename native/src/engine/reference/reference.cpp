@@ -248,7 +248,7 @@ void take_integrals(ReferenceNeighborhood &neighborhood) {
   neighborhood.k2 = neighborhood.mean - root;
 }
 
-// Whether the segment from a to b comes nearer to the origin than the radius.
+// Returns whether the segment from a to b comes nearer to the origin than the radius.
 bool meets_ball(dvec3 a, dvec3 b, double radius) {
   const dvec3 edge = b - a;
   const double length2 = glm::dot(edge, edge);
