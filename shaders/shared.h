@@ -58,20 +58,20 @@
 #define UNIT_LEAF_LISTS 35    // buffer texture, RGBA32I, LEAF_LISTS a cell: first in UNIT_SAMPLES, how many samples each leaf has (16 bits)
 #define UNIT_BOUNDARY 36      // buffer texture, RGBA32F: both ends of edges on the mesh's boundary
 #define UNIT_STARTS 37        // buffer texture, one a center: first and end in UNIT_START_CELLS
-#define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from, the list of the centers in it; a center is on that of its first one
+#define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from; for the center's first one, also the list that the center is on
 // For the current mesh, and for fitting its normals.
 #define UNIT_MESH_POSITIONS 39  // buffer texture, RGB32F, one a vertex: in the caller's units
 #define UNIT_TRIANGLES 40       // buffer texture, RGB32I: the vertices of each triangle
 #define UNIT_MESH_NORMALS 41    // buffer texture, RGB32F
 #define UNIT_SOURCES 42         // buffer texture: vertex, normal
 #define UNIT_RINGS 43           // buffer texture, RGBA32I, one a fan and one more: first in UNIT_FAN_VERTICES, in UNIT_RING_VERTICES, in UNIT_RING_FACES
-#define UNIT_FAN_VERTICES 44    // buffer texture, R32I, likewise the next two: as NormalRings has them
+#define UNIT_FAN_VERTICES 44    // buffer texture, R32I, like the next two: the arrays of NormalRings
 #define UNIT_RING_VERTICES 45
 #define UNIT_RING_FACES 46
 // For listing cells and samples at a radius.
 #define UNIT_CELL_TRAITS 47      // buffer texture, RGBA32I, CELL_TRAITS each, the bits of floats: sphere; cone, both with the samples of BINDING_TEXELLESS; area, radius as it was measured, CELL_ bits
 #define UNIT_CELL_NODES 48       // buffer texture, RGBA32I, two a node of the tree of cells, as tree.glsl orders them: the bits of a box's low, the node after all that are in this one; those of its high, its cell, or -1
-#define UNIT_NEAR_RANGES 49      // buffer texture, RGBA32I, one a list: first and end in UNIT_NEAR_CELLS; first in UNIT_NEAR_NEIGHBORS; how many of its cells have no neighbor on it that lies closer
+#define UNIT_NEAR_RANGES 49      // buffer texture, RGBA32I, one a list: first and end in UNIT_NEAR_CELLS; first in UNIT_NEAR_NEIGHBORS; how many of its cells have no closer neighbor on the list
 #define UNIT_START_LISTS 50      // buffer texture, one a list: first and end of its centers
 #define UNIT_TEXELLESS_RANGES 51 // buffer texture, one a cell: first and end among the samples of BINDING_TEXELLESS
 #define UNIT_STRIDES 52          // buffer texture, one a cell: how often a texel is doubled for a coarse sample of each leaf, for a fine one; 8 bits each

@@ -157,7 +157,7 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
 
 // ---- Finishing
 
-// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. False where x does not span the plane.
+// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. Returns false if x does not span the plane.
 bool fit_shape_operator(vec3 xx, vec3 xy, OUT(vec3) shape) {
   shape = vec3(0.0f);
   float spread = xx.x * xx.z - xx.y * xx.y;

@@ -23,7 +23,7 @@ void Atlases::replace(Charts charts, int32_t layout, int32_t cut_charts) {
   atlas_ = {std::move(charts), layout, cut_charts, atlas_.version + 1};
 }
 
-// Charts that overlap themselves are cut into pieces. False if nothing overlaps.
+// Cuts charts that overlap themselves into pieces. Returns false if nothing overlaps.
 bool Atlases::separate_overlaps(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   const Cuts cuts = cut_charts(half_edges, atlas_.charts, threads);
   if (cuts.overlapping) {

@@ -11,9 +11,9 @@
 namespace paradesc {
 
 enum class BorderKind : int32_t {
-  seam = 0,     // the surface goes on at the twin
+  seam = 0,     // the surface continues at the twin
   boundary = 1, // the surface ends
-  unlinked = 2  // the surface goes on, but on a triangle without UV area: nothing can be carried across
+  unlinked = 2  // the surface continues, but on a triangle without UV area: nothing can be carried across
 };
 
 struct Border {

@@ -203,7 +203,7 @@ static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const
 }
 
 ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
-  constexpr double least_gain = 0.95; // a level that hardly has fewer clusters is the last: what is left are parts of their own
+  constexpr double least_gain = 0.95; // a level with hardly fewer clusters is the last: the rest are separate components
   ClusterTree tree;
   tree.rank.assign(half_edges.corner_point.size() / 3, -1);
   for (size_t t = 0; t < tree.rank.size(); ++t) {

@@ -136,7 +136,7 @@ std::vector<int32_t> leave_out_copies(const Triangles &triangles, const Copies &
     if (!is_copy) stands_in[triangle] = -1;
   }
   if (!any) return {};
-  for (int32_t &other : stands_in) // which may have been left out itself, for one of a better sheet
+  for (int32_t &other : stands_in) // it may have been left out itself, in favor of a better sheet
     while (other >= 0 && left_out[other]) other = stands_in[other];
   return stands_in;
 }

@@ -1,4 +1,4 @@
-// Positions → how large a mesh is, and how fine.
+// Positions → the size of a mesh, and of its edges.
 #pragma once
 
 #include "mesh/halfedge.h"

@@ -33,7 +33,7 @@ struct Facet {
   PlaneTensor spread;   // of the area around the middle: second moments
   PlaneTensor gradient; // of the normals
   PlaneTensor excess;   // integral of the gradient, less the bends of sides that are not creases
-  bool is_convex;       // a ball then cuts a connected part out of the facet
+  bool is_convex;       // a ball then cuts only one part out of the facet
   int32_t side_begin, side_end;
 };
 

@@ -38,7 +38,7 @@ private:
   dvec3 sheared(dvec3 position) const;
 
   dvec3 point_, inverse_;
-  int x_, y_, z_; // the axes, of which z_ is the direction's largest
+  int x_, y_, z_; // axes; z_ is the direction's largest
   double shear_x_, shear_y_, scale_;
 };
 

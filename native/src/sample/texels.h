@@ -37,7 +37,7 @@ struct TexelMap {
 
 TexelMap build_texel_map(const Charts &charts, int size);
 
-// The map's centers [first, last), with position and normal in 32 bits. ellipses: (wedges) for radius 1, or empty where samples
+// The map's centers [first, last), with position and normal in 32 bits. ellipses: (wedges) for radius 1, or empty if samples
 // do not march; ellipse_size: the radius in buffer units, times the enlargement.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,

@@ -76,7 +76,7 @@ bool on_chart(vec2 position, int chart) {
   return inside;
 }
 
-// Fills the list of visits from the samples. True if one of them left the chart.
+// Fills the list of visits from the samples. Returns true if one of them left the chart.
 bool mark_charts(inout Sums sums, SamplingEllipse ellipse) {
   if (params.begin_sample == 0) {
     visit_count = 1;

@@ -39,7 +39,7 @@ Value value_of(const Kernel::vec3 &v) { return {v.x, v.y, v.z}; }
 
 } // namespace
 
-// By row of descriptors.def: the descriptor's value for a solid.
+// The descriptors' values for a solid, by row of descriptors.def.
 using RowOfSolid = Value (*)(const Solid &);
 static constexpr RowOfSolid rows_of_solid[] = {
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, needed)                           \

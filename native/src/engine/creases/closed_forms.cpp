@@ -1,4 +1,4 @@
-// Each integral is a sum over a region's boundary, of what lies between the boundary and the region's foot.
+// An integral over a region is a sum over its boundary, of integrals over the part between the boundary and the foot.
 #include "engine/creases/closed_forms.h"
 
 #include <algorithm>

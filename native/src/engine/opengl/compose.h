@@ -1,4 +1,4 @@
-// Descriptors asked for → GLSL that composes their kernels into one program.
+// Requested descriptors → GLSL that composes their kernels into one program.
 #pragma once
 
 #include <span>

@@ -37,7 +37,7 @@ void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   neighborhoods_.reserve(gl, most * sizeof(NeighborhoodRanges));
 }
 
-// Counts the near cells, then lists them, then lists what centers visit; all centers that start in one cell share these lists.
+// Counts the near cells, then lists them, then copies the data that centers read; centers that start in one cell share a list.
 void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, GLuint centers) {
   const auto room = static_cast<size_t>(std::max(cells.room().cells, 1)),
              neighbors = static_cast<size_t>(std::max(cells.room().neighbors, 1)),

@@ -28,7 +28,7 @@ void TextureSpace::use_cells(const Job &job, const Frame &frame) {
     std::rotate(kept.begin(), found, found + 1);
     return;
   }
-  // Several radii may take turns in an animation; the lists of large buffers are too large to keep several.
+  // Several radii may alternate in an animation; the lists of large buffers are too large to keep several.
   const size_t max_kept = buffer_size <= 1024 ? 3 : 1;
   auto set = std::make_unique<CellSet>();
   std::vector<int32_t> ids;

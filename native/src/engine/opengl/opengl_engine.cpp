@@ -97,7 +97,7 @@ static int64_t bytes_of_device(bool software, const ComputationSize &size) {
 }
 
 MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size) {
-  constexpr int64_t rasterizer = 45'000'000; // llvmpipe's lists of what to draw where
+  constexpr int64_t rasterizer = 45'000'000; // llvmpipe's bins of triangles to draw
   const pdesc_options &options = size.options;
   MemoryForecast memory;
   memory.device = bytes_of_device(software, size);

@@ -36,7 +36,7 @@ public:
   GLuint get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
              const std::map<std::string, std::string> &generated = {});
   GLuint find(const std::string &name); // 0: the program is not kept
-  void clear() { programs_.clear(); }   // for a context that is about to be destroyed together with its programs
+  void clear() { programs_.clear(); }   // for a context that is about to be destroyed, with its programs
 
 private:
   static constexpr size_t max_programs_ = 32;

@@ -29,7 +29,7 @@ public:
 
   // Why a device of this name is not used on this system, or "".
   static std::string flaw_of(const std::string &device);
-  static const char *library();         // as sentences name the library
+  static const char *library();         // its name in sentences
   static const char *software_advice(); // what to do for a software device
 
 private:

@@ -1,4 +1,4 @@
-// opengl32.dll, opened at run time → a current OpenGL 4.5 core context on a window that nobody sees.
+// opengl32.dll, opened at run time → a current OpenGL 4.5 core context on an invisible window.
 #include "engine/opengl/system_context.h"
 
 #define NOMINMAX
