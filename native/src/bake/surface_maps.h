@@ -79,7 +79,7 @@ struct DisplacedPoints {
   std::vector<vec3> position; // (point_count) buffer units
   std::vector<vec3> normal;   // (point_count) unit
   Triangles triangles;        // with displaced vertices
-  float shrinkage = 1.0f; // ratio of lengths on the base to the displaced surface, 99th percentile over corners; 1 to 4
+  float shrinkage = 1.0f;     // ratio of lengths on the base to the displaced surface, 99th percentile over corners; 1 to 4
 };
 
 // A point on a seam has a height and a normal at each of its corners; it gets their mean, weighted by angle.

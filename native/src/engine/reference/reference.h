@@ -18,16 +18,16 @@ namespace paradesc {
 // The integrals at one point. w is area; d = q - p, rho = |d|, n the unit normal at p, n_i that at q.
 struct ReferenceNeighborhood {
   double radius = 0;
-  double area = 0;                            // integral of w
-  double rho = 0;                             // of w rho
-  double height = 0;                          // of w n.d
-  double bending = 0;                         // of w |n - n_i|^2 / rho^2
-  double geodesic_area = 0;                   // area within r along the surface
-  double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the requested estimator; NaN if undefined
+  double area = 0;                                                  // integral of w
+  double rho = 0;                                                   // of w rho
+  double height = 0;                                                // of w n.d
+  double bending = 0;                                               // of w |n - n_i|^2 / rho^2
+  double geodesic_area = 0;                                         // area within r along the surface
+  double mean = 0, gauss = 0, k1 = 0, k2 = 0;                       // H, K, k1 >= k2 by the requested estimator; NaN if undefined
   double standard_error = std::numeric_limits<double>::quiet_NaN(); // of H by noise of the positions; NaN: not known
-  dvec3 direction_max{0}, direction_min{0};   // of the shape operator, unit
-  bool boundary = false;                      // a mesh boundary lies within the ball
-  ReferenceWindow window;                     // if a map is given
+  dvec3 direction_max{0}, direction_min{0};                         // of the shape operator, unit
+  bool boundary = false;                                            // a mesh boundary lies within the ball
+  ReferenceWindow window;                                           // if a map is given
 };
 
 template <int components> using ReferenceValue = std::conditional_t<components == 1, double, dvec3>;
