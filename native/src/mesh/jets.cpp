@@ -9,7 +9,20 @@ namespace {
 
 constexpr int spare_neighbors = 2;             // needed in addition to the number of coefficients
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
-using Lanes = FanLanes;
+// As many of the fans as the processor computes with at once: compilers take wider vectors apart badly.
+#if defined(__AVX512F__)
+constexpr int lane_count = 8;
+#elif defined(__AVX2__)
+constexpr int lane_count = 4;
+#else
+constexpr int lane_count = 2;
+#endif
+using Lanes [[gnu::vector_size(lane_count * sizeof(double))]] = double;
+Lanes load(const FanLanes &from, int first) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, reinterpret_cast<const double *>(&from) + first, sizeof lanes);
+  return lanes;
+}
 struct Gram {
   Lanes of[columns + 1][columns + 1]; // the upper half
   Lanes *operator[](size_t row) { return of[row]; }
@@ -42,13 +55,14 @@ struct JetMoments {
 
 // Normal equations of w = a jet without constant term: the gradient's columns come last, then the heights. Columns are scaled to
 // unit length; scale keeps the factors, which are NaN or infinite for a zero column.
-void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
+void make_gram(const Heights &heights, int first, Gram &gram, Scale &scale) {
   struct Monomial {
     size_t degree, k;
   };
   constexpr Monomial monomials[columns] = {{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}};
   JetMoments moments;
-  for (size_t i = 0; i < heights.max_count; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
+  for (size_t i = 0; i < heights.max_count; ++i)
+    moments.add(load(heights.u[i], first), load(heights.v[i], first), load(heights.w[i], first));
   for (size_t a = 0; a < columns; ++a) {
     const Monomial own = monomials[a];
     for (size_t b = a; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];
@@ -56,7 +70,7 @@ void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   }
   gram[columns][columns] = moments.sum_ww;
   for (size_t a = 0; a < columns; ++a)
-    for (int lane = 0; lane < fan_lanes; ++lane) scale[a][lane] = 1.0 / __builtin_sqrt(gram[a][a][lane]);
+    for (int lane = 0; lane < lane_count; ++lane) scale[a][lane] = 1.0 / __builtin_sqrt(gram[a][a][lane]);
   scale[columns] = Lanes{} + 1.0;
   for (size_t a = 0; a <= columns; ++a)
     for (size_t b = a; b <= columns; ++b) gram[a][b] *= scale[a] * scale[b];
@@ -91,33 +105,38 @@ template <size_t first> Gradient solve_gradient(Gram gram, Scale &scale) {
 
 double larger(double a, double b) { return a > b ? a : b; }
 
-void fit(const Heights &heights, Gradients &gradients) {
+// Of the fans from `first` on.
+void fit_lanes(const Heights &heights, int first, Gradients &gradients) {
   constexpr double least_gain = 3; // c: 19 times of 20, noise alone gives less than 3.6 with two rings of 18 neighbors
   constexpr double least_pivot = 1e-5;
   constexpr int quadratic_columns = static_cast<int>(columns - cubic_terms), all_columns = static_cast<int>(columns);
   Gram gram;
   Scale scale;
-  make_gram(heights, gram, scale);
+  make_gram(heights, first, gram, scale);
   const Gradient quadratic = solve_gradient<cubic_terms>(gram, scale), cubic = solve_gradient<0>(gram, scale);
-  for (int lane = 0; lane < fan_lanes; ++lane) {
-    const int count = heights.count[lane];
-    gradients.exists[lane] = count >= quadratic_columns + spare_neighbors && quadratic.least_pivot[lane] > least_pivot;
-    if (!gradients.exists[lane]) continue;
+  for (int lane = 0; lane < lane_count; ++lane) {
+    const int fan = first + lane, count = heights.count[fan];
+    gradients.exists[fan] = count >= quadratic_columns + spare_neighbors && quadratic.least_pivot[lane] > least_pivot;
+    if (!gradients.exists[fan]) continue;
     double share = 0.0;
-    gradients.noise[lane] = larger(quadratic.residual[lane], 0.0) / (count - quadratic_columns);
+    gradients.noise[fan] = larger(quadratic.residual[lane], 0.0) / (count - quadratic_columns);
     if (count >= all_columns + spare_neighbors && cubic.least_pivot[lane] > least_pivot) {
       const double left = larger(cubic.residual[lane], 0.0);
       const double gain = (larger(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
       const double noise = left / (count - all_columns);
       if (gain > least_gain * noise) share = 1 - least_gain * noise / gain;
-      gradients.noise[lane] = noise;
+      gradients.noise[fan] = noise;
     }
     const auto blend = [&](double of_quadratic, double of_cubic) {
       return share > 0.0 ? of_quadratic + share * (of_cubic - of_quadratic) : of_quadratic;
     };
-    gradients.u[lane] = blend(quadratic.u[lane], cubic.u[lane]);
-    gradients.v[lane] = blend(quadratic.v[lane], cubic.v[lane]);
+    gradients.u[fan] = blend(quadratic.u[lane], cubic.u[lane]);
+    gradients.v[fan] = blend(quadratic.v[lane], cubic.v[lane]);
   }
+}
+
+void fit(const Heights &heights, Gradients &gradients) {
+  for (int first = 0; first < fan_lanes; first += lane_count) fit_lanes(heights, first, gradients);
 }
 
 } // namespace
