@@ -31,7 +31,7 @@ std::vector<int32_t> triangles_of(const ClusterTree &tree, size_t level, size_t 
     begin = tree.child_begin[level - 1][static_cast<size_t>(begin)];
     end = tree.child_begin[level - 1][static_cast<size_t>(end)];
   }
-  return {tree.triangle.begin() + begin, tree.triangle.begin() + end};
+  return {tree.item.begin() + begin, tree.item.begin() + end};
 }
 
 // Pieces that these triangles fall into, over their edges.
@@ -60,12 +60,11 @@ size_t pieces_of(const HalfEdges &half_edges, std::vector<int32_t> triangles) {
 
 TEST(ClusterTree, has_every_triangle_once) {
   const auto [half_edges, tree] = build(torus(1, 0.4, {.vertices = 3000}));
-  std::vector<int32_t> sorted = tree.triangle, all(half_edges.twin.size() / 3);
+  std::vector<int32_t> sorted = tree.item, all(half_edges.twin.size() / 3);
   std::iota(all.begin(), all.end(), 0);
   std::ranges::sort(sorted);
   EXPECT_EQ(sorted, all);
-  for (size_t i = 0; i < tree.triangle.size(); ++i)
-    EXPECT_EQ(tree.rank[static_cast<size_t>(tree.triangle[i])], static_cast<int32_t>(i));
+  for (size_t i = 0; i < tree.item.size(); ++i) EXPECT_EQ(tree.rank[static_cast<size_t>(tree.item[i])], static_cast<int32_t>(i));
 }
 
 TEST(ClusterTree, clusters_are_connected_and_grow_to_the_whole) {

@@ -21,15 +21,15 @@ struct ClusterGraph {
   std::vector<int32_t> begin{0}; // (clusters + 1) into link
   std::vector<Link> link;
   std::vector<int32_t> perimeter; // edges
-  std::vector<int32_t> triangles;
+  std::vector<int32_t> items;
 
   int32_t size() const { return static_cast<int32_t>(perimeter.size()); }
 };
 
-// Squared border length over that of a disk of as many triangles, up to a constant factor. The added term grows with size, so
-// that small clusters are merged first.
-double roughness(int32_t perimeter, int32_t triangles) {
-  const double edges = perimeter, count = triangles;
+// Squared border length over that of a disk of as many items, up to a constant factor. The added term grows with size, so that
+// small clusters are merged first.
+double roughness(int32_t perimeter, int32_t items) {
+  const double edges = perimeter, count = items;
   return edges * edges / count + 0.05 * count;
 }
 
@@ -45,13 +45,13 @@ public:
 
   std::vector<int32_t> take_parents() { return std::move(parent_); }
   int32_t count() const { return static_cast<int32_t>(members_.size()); }
-  const std::vector<int32_t> &triangles() const { return triangles_; }
+  const std::vector<int32_t> &items() const { return items_; }
 
 private:
   int32_t open(int32_t cluster) {
     members_.push_back(1);
     perimeter_.push_back(graph_.perimeter[cluster]);
-    triangles_.push_back(graph_.triangles[cluster]);
+    items_.push_back(graph_.items[cluster]);
     return parent_[cluster] = count() - 1;
   }
 
@@ -59,11 +59,11 @@ private:
     parent_[cluster] = group;
     ++members_[group];
     perimeter_[group] += graph_.perimeter[cluster] - 2 * edges;
-    triangles_[group] += graph_.triangles[cluster];
+    items_[group] += graph_.items[cluster];
   }
 
   struct Size {
-    int32_t perimeter, triangles;
+    int32_t perimeter, items;
   };
 
   // The link to the neighbor with which the union is roundest; other is -1 if there is none. size_of(link): the size of what lies
@@ -76,7 +76,7 @@ private:
       const std::optional<Size> size = size_of(link);
       if (!size) continue;
       const double rough =
-          roughness(size->perimeter + graph_.perimeter[cluster] - 2 * link.edges, size->triangles + graph_.triangles[cluster]);
+          roughness(size->perimeter + graph_.perimeter[cluster] - 2 * link.edges, size->items + graph_.items[cluster]);
       if (rough >= least) continue;
       least = rough;
       best = link;
@@ -87,7 +87,7 @@ private:
   bool pair(int32_t cluster) {
     const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
       if (parent_[link.other] >= 0) return {};
-      return Size{graph_.perimeter[link.other], graph_.triangles[link.other]};
+      return Size{graph_.perimeter[link.other], graph_.items[link.other]};
     });
     if (best.other >= 0) add(best.other, open(cluster), best.edges);
     return best.other >= 0;
@@ -98,7 +98,7 @@ private:
     const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
       const int32_t group = parent_[link.other];
       if (members_[group] >= static_cast<int>(ClusterTree::max_children)) return {};
-      return Size{perimeter_[group], triangles_[group]};
+      return Size{perimeter_[group], items_[group]};
     });
     if (best.other >= 0) add(cluster, parent_[best.other], best.edges);
     return best.other >= 0;
@@ -106,7 +106,7 @@ private:
 
   const ClusterGraph &graph_;
   std::vector<int32_t> parent_;
-  std::vector<int32_t> members_, perimeter_, triangles_; // of each group
+  std::vector<int32_t> members_, perimeter_, items_; // of each group
 };
 
 // The members of each parent, listed parent after parent.
@@ -140,14 +140,14 @@ static ClusterGraph graph_of_triangles(const HalfEdges &half_edges, const std::v
     graph.begin.push_back(static_cast<int32_t>(graph.link.size()));
   }
   graph.perimeter.assign(triangles.size(), 3);
-  graph.triangles.assign(triangles.size(), 1);
+  graph.items.assign(triangles.size(), 1);
   return graph;
 }
 
 static ClusterGraph coarsen(const ClusterGraph &graph, const std::vector<int32_t> &parent, const Matching &matching) {
   const Members members(parent, matching.count());
   ClusterGraph coarse;
-  coarse.triangles = matching.triangles();
+  coarse.items = matching.items();
   coarse.link.reserve(graph.link.size() / 2);
   std::vector<size_t> at(static_cast<size_t>(matching.count()), 0); // where the link to another group is, if it is this group's
   for (int32_t group = 0; group < matching.count(); ++group) {
@@ -194,25 +194,17 @@ static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const
     }
     order.swap(below);
   }
-  std::vector<int32_t> triangles;
-  triangles.reserve(order.size());
+  std::vector<int32_t> items;
+  items.reserve(order.size());
   checkpoint();
-  for (const int32_t i : order) triangles.push_back(tree.triangle[i]);
+  for (const int32_t i : order) items.push_back(tree.item[i]);
   checkpoint();
-  tree.triangle.swap(triangles);
+  tree.item.swap(items);
 }
 
-ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
+// tree: its items, and their places.
+static void build_levels(ClusterGraph graph, ClusterTree &tree) {
   constexpr double least_gain = 0.95; // a level with hardly fewer clusters is the last: the rest are separate components
-  ClusterTree tree;
-  tree.rank.assign(half_edges.corner_point.size() / 3, -1);
-  for (size_t t = 0; t < tree.rank.size(); ++t) {
-    checkpoint_at(t);
-    if (half_edges.corner_point[3 * t] < 0) continue;
-    tree.rank[t] = static_cast<int32_t>(tree.triangle.size());
-    tree.triangle.push_back(static_cast<int32_t>(t));
-  }
-  ClusterGraph graph = graph_of_triangles(half_edges, tree.triangle, tree.rank);
   std::vector<std::vector<int32_t>> parents;
   std::vector<int32_t> sizes{graph.size()};
   while (graph.size() > 1) {
@@ -223,7 +215,58 @@ ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
     graph = coarsen(graph, parents.back(), matching);
   }
   put_in_order(parents, sizes, tree);
-  for (size_t i = 0; i < tree.triangle.size(); ++i) tree.rank[tree.triangle[i]] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
+}
+
+ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
+  ClusterTree tree;
+  tree.rank.assign(half_edges.corner_point.size() / 3, -1);
+  for (size_t t = 0; t < tree.rank.size(); ++t) {
+    checkpoint_at(t);
+    if (half_edges.corner_point[3 * t] < 0) continue;
+    tree.rank[t] = static_cast<int32_t>(tree.item.size());
+    tree.item.push_back(static_cast<int32_t>(t));
+  }
+  build_levels(graph_of_triangles(half_edges, tree.item, tree.rank), tree);
+  return tree;
+}
+
+// A point's faces are one fan: turning around it meets its neighbors one after the other.
+PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
+  PointNeighbors found;
+  found.begin.reserve(static_cast<size_t>(half_edges.point_count) + 1);
+  for (int32_t point = 0; point < half_edges.point_count; ++point) {
+    checkpoint_at(static_cast<size_t>(point));
+    const auto meet = [&](int32_t corner) {
+      if (half_edges.corner_point[corner] != point) found.neighbor.push_back(half_edges.corner_point[corner]);
+    };
+    const int32_t first = half_edges.point_half_edge[point];
+    for (int32_t corner = first; corner >= 0;) {
+      meet(next_corner(corner));
+      const int32_t previous = previous_corner(corner);
+      corner = half_edges.twin[previous];
+      if (corner < 0) meet(previous);
+      if (corner == first) break;
+    }
+    found.begin.push_back(static_cast<int32_t>(found.neighbor.size()));
+  }
+  return found;
+}
+
+ClusterTree build_point_tree(const PointNeighbors &neighbors) {
+  ClusterGraph graph;
+  graph.begin = neighbors.begin;
+  graph.link.reserve(neighbors.neighbor.size());
+  for (const int32_t neighbor : neighbors.neighbor) graph.link.push_back({neighbor, 1});
+  checkpoint();
+  for (size_t i = 1; i < neighbors.begin.size(); ++i) graph.perimeter.push_back(neighbors.begin[i] - neighbors.begin[i - 1]);
+  graph.items.assign(graph.perimeter.size(), 1);
+  ClusterTree tree;
+  tree.item.resize(graph.perimeter.size());
+  std::iota(tree.item.begin(), tree.item.end(), 0);
+  tree.rank = tree.item;
+  checkpoint();
+  build_levels(std::move(graph), tree);
   return tree;
 }
 

@@ -45,7 +45,7 @@ class Divider {
 public:
   Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit, SampleList &samples)
       : surfels_(surfels), middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
-    const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
+    const int32_t triangle = source.tree.item[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     const Sample undivided = sample_of(source, triangle, lean_);
     noise_ = undivided.noise;
@@ -178,7 +178,7 @@ static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int3
   vec2 places(0.0f);
   float area = 0.0f;
   for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
-    const int32_t first = 3 * source.tree.triangle[i];
+    const int32_t first = 3 * source.tree.item[i];
     const vec3 a = source.position(first);
     const float part = length(cross(source.position(first + 1) - a, source.position(first + 2) - a)) * (1.0f / 3.0f);
     area += 3.0f * part;
@@ -206,7 +206,7 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
   if (surfel.samples > max_stored_samples) return;
   if (surfel.samples > 1.0f)
     return divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
-  const int32_t triangle = source.tree.triangle[surfels.first[index]];
+  const int32_t triangle = source.tree.item[surfels.first[index]];
   const Cluster *const cluster = surfel.cluster >= 0 ? &surfels.cluster[surfel.cluster] : nullptr;
   const float lean = lean_of(source, surfels, index, cluster ? glm::normalize(cluster->face) : surfels.face[triangle]);
   const Sample sample = cluster ? sample_of(*cluster, lean) : sample_of(source, triangle, lean);

@@ -73,7 +73,7 @@ private:
   }
 
   Size measure_triangle(size_t i) {
-    const int32_t corner = 3 * tree_.triangle[i];
+    const int32_t corner = 3 * tree_.item[i];
     const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
     const vec3 bc = ac - ab, plane = cross(ab, ac);
     const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
@@ -85,7 +85,7 @@ private:
     const float largest = result_.largest_spread_at(turn_of_part);
     counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
     const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
-    result_.face[tree_.triangle[i]] = face;
+    result_.face[tree_.item[i]] = face;
     return {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
             spread};
   }
@@ -210,12 +210,12 @@ private:
     leave_out(result_.triangle_surfel, -1);
     for_each(starts.size(), [&](size_t i) {
       const auto [surfel, cell, in_surfel, in_cell] = starts[i];
-      result_.triangle_surfel[tree_.triangle[i]] = surfel;
-      result_.triangle_cell[tree_.triangle[i]] = cell;
+      result_.triangle_surfel[tree_.item[i]] = surfel;
+      result_.triangle_cell[tree_.item[i]] = cell;
       if (i == 0 || starts[i - 1].surfel != surfel) result_.first[surfel] = static_cast<int32_t>(i);
       if (i == 0 || starts[i - 1].cell != cell) result_.cell_begin[cell] = surfel;
       if (in_surfel) return;
-      const int32_t corner = 3 * tree_.triangle[i];
+      const int32_t corner = 3 * tree_.item[i];
       const vec3 a = source_.position(corner), b = source_.position(corner + 1), c = source_.position(corner + 2);
       const vec3 middle = (a + b + c) * (1.0f / 3.0f);
       const float reach = std::max({length(a - middle), length(b - middle), length(c - middle)});
@@ -241,7 +241,7 @@ private:
   void gather_cluster(size_t i) {
     Surfel &surfel = result_.surfel[i];
     const auto triangles =
-        std::span(tree_.triangle).subspan(result_.first[i], static_cast<size_t>(result_.first[i + 1] - result_.first[i]));
+        std::span(tree_.item).subspan(result_.first[i], static_cast<size_t>(result_.first[i + 1] - result_.first[i]));
     ClusterSums sums(source_.position(3 * triangles[0]));
     for (const int32_t triangle : triangles) sums.add(sample_of(source_, triangle, 0.0f));
     Cluster &cluster = result_.cluster[surfel.cluster];
@@ -335,7 +335,7 @@ private:
     std::vector<std::pair<size_t, int32_t>> &edges = part.edges_of_surfel; // and their neighbors
     edges.clear();
     for (int32_t i = result_.first[surfel]; i < result_.first[surfel + 1]; ++i)
-      for (int32_t half_edge = 3 * tree_.triangle[i]; half_edge < 3 * tree_.triangle[i] + 3; ++half_edge) {
+      for (int32_t half_edge = 3 * tree_.item[i]; half_edge < 3 * tree_.item[i] + 3; ++half_edge) {
         const int32_t twin = source_.half_edges.twin[half_edge];
         if (twin < 0) {
           part.boundary.push_back(half_edge);
@@ -400,7 +400,7 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel
     while ((corner = twin[corner]) >= 0) look_at(corner = next_corner(corner));
   };
   for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
-    const int32_t first = 3 * source.tree.triangle[i];
+    const int32_t first = 3 * source.tree.item[i];
     look_at(first);
     for (int32_t corner = first; corner < first + 3; ++corner)
       if (twin[corner] < 0 || surfels.triangle_surfel[twin[corner] / 3] != surfel)

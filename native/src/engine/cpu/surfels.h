@@ -48,7 +48,7 @@ struct Surfels {
   float radius = 0;
   float largest_spread = 0;            // of triangles and of their parts, where normals hardly turn
   UnsetVector<Surfel> surfel;          // in the order of the tree
-  UnsetVector<int32_t> first;          // (surfels + 1) into ClusterTree::triangle
+  UnsetVector<int32_t> first;          // (surfels + 1) into ClusterTree::item
   std::vector<Cluster> cluster;        // of surfels with several triangles
   UnsetVector<int32_t> neighbor_begin; // (surfels + 1) into neighbor
   UnsetVector<int32_t> neighbor;       // surfels that share edges with each
