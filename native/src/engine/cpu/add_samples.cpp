@@ -2,33 +2,13 @@
 #include "engine/cpu/add_samples.h"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 
 #include "engine/cpu/kinds.h"
 #include "engine/cpu/seen_samples.h"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
-
-// The lanes that are chosen, as bits.
-inline uint32_t bits_of(const Choices &choices) {
-#if defined(__AVX512DQ__) && LANE_WIDTH == 16
-  return _mm512_movepi32_mask(std::bit_cast<__m512i>(choices.lane));
-#elif defined(__AVX2__) && LANE_WIDTH == 8
-  return static_cast<uint32_t>(_mm256_movemask_ps(std::bit_cast<__m256>(choices.lane)));
-#elif defined(__SSE2__) && LANE_WIDTH == 4
-  return static_cast<uint32_t>(_mm_movemask_ps(std::bit_cast<__m128>(choices.lane)));
-#else
-  uint32_t bits = 0;
-  for (int i = 0; i < lane_count; ++i) bits |= (choices.lane[i] & 1u) << i;
-  return bits;
-#endif
-}
 
 // ---- Which samples
 
@@ -65,10 +45,6 @@ inline int32_t append(uint32_t bits, int32_t first, int32_t *list, int32_t count
     count += set_bits.count[four];
   }
   return count;
-}
-
-template <int count> Vector<3, Lanes> load3(const float (*v)[count], int first) {
-  return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
 
 inline void select_of_block(const SampleBlock &block, int32_t number, const Vector<3, Lanes> &center, float radius,

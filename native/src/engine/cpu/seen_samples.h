@@ -2,73 +2,13 @@
 // KERNEL_TARGET.
 #pragma once
 
-#include <array>
-#include <bit>
 #include <cstddef>
-#include <utility>
 
 #include "engine/cpu/add_samples.h"
-#include "engine/kernels/vectors.h"
+#include "engine/cpu/lane_memory.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
-
-inline Lanes load(const float *from) {
-  Lanes lanes;
-  __builtin_memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
-inline Vector<3, Lanes> all(const float *v) { return {v[0], v[1], v[2]}; }
-
-inline Lanes square_of(const Vector<3, Lanes> &v) { return dot(v, v); }
-inline Lanes fast_sqrt(const Lanes &square) { return square * fast_inversesqrt(max(square, 1e-30f)); }
-
-inline bool any(const Choices &choices) {
-  using Words = std::array<uint64_t, lane_count / 2>;
-  uint64_t all = 0;
-  for (const uint64_t word : std::bit_cast<Words>(choices)) all |= word;
-  return all != 0;
-}
-
-// Those of a and b that the constants name in each part of four: 0 to 3 of a, 4 to 7 of b.
-template <int i0, int i1, int i2, int i3, size_t... k>
-Lanes::Floats shuffle(const Lanes::Floats &a, const Lanes::Floats &b, std::index_sequence<k...>) {
-  constexpr int from[4] = {i0, i1, i2, i3};
-  return __builtin_shufflevector(a, b, (from[k % 4] % 4 + static_cast<int>(k / 4) * 4 + from[k % 4] / 4 * lane_count)...);
-}
-template <int i0, int i1, int i2, int i3> Lanes::Floats shuffle(const Lanes::Floats &a, const Lanes::Floats &b) {
-  return shuffle<i0, i1, i2, i3>(a, b, std::make_index_sequence<lane_count>());
-}
-
-// Four floats of every fourth sample, one part after the other.
-template <size_t offset, class Item> Lanes::Floats every_fourth(const Item *const *items) {
-  using Four [[gnu::vector_size(16)]] = float;
-  const auto part = [&](int i) {
-    Four four;
-    __builtin_memcpy(&four, reinterpret_cast<const char *>(items[i]) + offset, sizeof four);
-    return four;
-  };
-  if constexpr (lane_count == 4) {
-    return part(0);
-  } else {
-    const auto two = [&](int i) { return __builtin_shufflevector(part(i), part(i + 4), 0, 1, 2, 3, 4, 5, 6, 7); };
-    if constexpr (lane_count == 8)
-      return two(0);
-    else
-      return __builtin_shufflevector(two(0), two(8), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  }
-}
-
-// Four floats that follow each other in each of the items.
-template <size_t offset, class Item> [[gnu::always_inline]] inline Vector<4, Lanes> gather(const Item *const *items) {
-  const Lanes::Floats a = every_fourth<offset>(items), b = every_fourth<offset>(items + 1), c = every_fourth<offset>(items + 2),
-                      d = every_fourth<offset>(items + 3);
-  const Lanes::Floats ab = shuffle<0, 4, 1, 5>(a, b), cd = shuffle<0, 4, 1, 5>(c, d);
-  const Lanes::Floats ab2 = shuffle<2, 6, 3, 7>(a, b), cd2 = shuffle<2, 6, 3, 7>(c, d);
-  return {Lanes(shuffle<0, 1, 4, 5>(ab, cd)), Lanes(shuffle<2, 3, 6, 7>(ab, cd)), Lanes(shuffle<0, 1, 4, 5>(ab2, cd2)),
-          Lanes(shuffle<2, 3, 6, 7>(ab2, cd2))};
-}
-inline Vector<3, Lanes> first3(const Vector<4, Lanes> &v) { return {v.x, v.y, v.z}; }
 
 constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
 
