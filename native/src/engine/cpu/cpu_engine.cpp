@@ -4,16 +4,18 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "descriptor/passes.h"
 #include "descriptor/registry.h"
+#include "engine/cpu/center_values.h"
 #include "engine/cpu/centers.h"
+#include "engine/cpu/exact_choice.h"
+#include "engine/cpu/exact_pass.h"
 #include "engine/cpu/finish.h"
 #include "engine/cpu/groups.h"
 #include "engine/cpu/search.h"
@@ -33,8 +35,21 @@ public:
 
 private:
   const TexelMap &texels(const Surface &surface, int size, int threads);
+  const ClusterTree &tree(const Surface &surface) {
+    return tree_.get(surface.topology_version, [&] { return build_cluster_tree(surface.half_edges); });
+  }
+  const PointPatches &patches(const Surface &surface) {
+    return patches_.get(surface.topology_version, [&] { return build_point_patches(surface.half_edges); });
+  }
+
+  void refit(const Surface &surface, const Request &request, const BakeSpace &space, int threads) {
+    patch_surface_.refit(patches(surface), surface.triangles, surface.half_edges, surface.normals(), space, ball_targets()[0],
+                         asks_for_noise(request.descriptors), threads);
+  }
 
   Keyed<uint64_t, ClusterTree> tree_;           // by the topology's version
+  Keyed<uint64_t, PointPatches> patches_;       // likewise
+  PatchSurface patch_surface_;                  // of the last surface with these
   Keyed<std::pair<int, int>, TexelMap> texels_; // by the atlas's version and the size
 };
 
@@ -97,17 +112,6 @@ static void evaluate_group(const Evaluation &pass, const SumTarget &target, std:
   });
 }
 
-// Before anything is computed.
-static CenterResults unknown_results(size_t count, std::span<const int> rows) {
-  CenterResults results = results_at_points(static_cast<int>(count));
-  checkpoint();
-  for (const int row : rows)
-    results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
-                                std::numeric_limits<float>::quiet_NaN());
-  results.boundary.assign(count, 0);
-  return results;
-}
-
 static CenterResults evaluate(const Evaluation &pass) {
   const size_t count = pass.centers.size();
   CenterResults results = unknown_results(count, pass.rows);
@@ -129,23 +133,6 @@ static CenterResults evaluate(const Evaluation &pass) {
                       });
   });
   return results;
-}
-
-// By products alone, which have the same bits everywhere.
-static double power(double base, int exponent) {
-  double product = 1.0;
-  for (int k = 0; k < std::abs(exponent); ++k) product *= base;
-  return exponent < 0 ? 1.0 / product : product;
-}
-
-// To the units of the positions.
-static void scale_values(std::span<const int> rows, double scale, CenterResults &results) {
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const int exponent = -descriptor_row(rows[k]).length_power;
-    if (exponent == 0) continue;
-    const double unit = power(scale, exponent);
-    for (float &value : results.values[k]) value = in_unit(value, unit);
-  }
 }
 
 static float share_of_clusters(const Surfels &surfels) {
@@ -266,6 +253,20 @@ private:
 
 } // namespace
 
+static CenterResults run_exactly(const Surface &surface, const Request &request, const BakeSpace &space, const Pass &pass,
+                                 const PointPatches &patches, const PatchSurface &patch_surface, const Resources &resources,
+                                 const std::function<void(double)> &progress) {
+  const double radius = radius_of(pass, request.options, request.radius);
+  CenterResults results = unknown_results(static_cast<size_t>(surface.half_edges.point_count), pass.rows);
+  evaluate_exactly({patches, patch_surface, ball_targets()[0], plan_sums(pass.rows, request.options, false),
+                    params_of(request, space.scale, static_cast<float>(radius * space.scale), 0.0f), pass.rows, resources.threads,
+                    progress},
+                   results);
+  scale_values(pass.rows, space.scale, results);
+  CreaseBlend(surface, pass.rows, radius, resources.threads).at_points(pass.rows, results);
+  return results;
+}
+
 static constexpr size_t texels_of_band = size_t{1} << 17; // that are evaluated together
 
 // Whether a pass over the surface computes the map to the bits that its own pass would.
@@ -341,7 +342,6 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
                              const Progress &progress) {
   const pdesc_options &options = request.options;
   Clock clock;
-  const ClusterTree &tree = tree_.get(surface.topology_version, [&] { return build_cluster_tree(surface.half_edges); });
   const BakeSpace space = bake_space_of(surface.box);
   const TexelMap *map_texels = nullptr;
   CenterResults at_texels;
@@ -352,6 +352,8 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   Computed computed;
   computed.report.seconds_prepare = clock.lap();
   const int map_row = find_map(options.map_descriptor);
+  std::optional<TriangleSizes> sizes;
+  bool refitted = false;     // the patches, of this surface
   std::vector<float> of_map; // at points, if they are known before its own pass
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const std::function<void(double)> part = [&](double done) { check_cancel(progress, "evaluate", (number + done) / count); };
@@ -361,9 +363,18 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
       results.values = {std::move(of_map)};
       return results;
     }
+    if (has_exact_sums(surface, request, pass)) {
+      const CancelScope cancel([&] { part(0.0); });
+      if (!sizes) sizes = measure_triangles(surface.triangles, surface.half_edges, resources.threads);
+      if (suits_exact_sums(*sizes, radius_of(pass, options, request.radius))) {
+        if (!std::exchange(refitted, true)) refit(surface, request, space, resources.threads);
+        return run_exactly(surface, request, space, pass, patches(surface), patch_surface_, resources, part);
+      }
+    }
+    if (!refitted) patch_surface_ = {}; // which would stand beside the samples
     const RunningPass running = [&] {
       const CancelScope cancel([&] { part(0.0); });
-      return RunningPass(surface, request, tree, space, pass, map, resources);
+      return RunningPass(surface, request, tree(surface), space, pass, map, resources);
     }();
     if (!map_texels) {
       const int32_t points = points_of(pass, surface);
@@ -399,6 +410,13 @@ static int64_t bytes_of_texels(const ComputationSize &size) {
          band * static_cast<int64_t>(sizeof(TreeCenter) + sizeof(vec4) + 16 + 8 * rows);
 }
 
+// Patches and their surface, which is kept from frame to frame; neighbors while they are made.
+static int64_t bytes_of_exact_sums(const ComputationSize &size) {
+  constexpr int64_t of_triangle = 36 + sizeof(RimTriangle) + sizeof(MomentRow) + 10, of_point = 260;
+  constexpr int64_t of_thread = 12; // for each point
+  return size.triangles * of_triangle + size.points * (of_point + size.threads * of_thread);
+}
+
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // The tree, positions, faces and places; sizes, counts and places of clusters while it is cut for a radius; links.
   constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
@@ -408,8 +426,9 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   const double divided =
       std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
-  memory.host = bytes_of_results(size) + size.pieces * (of_triangle + size.threads * of_thread) +
-                static_cast<int64_t>(triangles + divided) * bytes_of_sample;
+  const int64_t of_samples =
+      size.pieces * (of_triangle + size.threads * of_thread) + static_cast<int64_t>(triangles + divided) * bytes_of_sample;
+  memory.host = bytes_of_results(size) + std::max(of_samples, bytes_of_exact_sums(size));
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
   return memory;
 }

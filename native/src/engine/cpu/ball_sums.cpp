@@ -1,0 +1,349 @@
+// The sums of one set of instructions: compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
+#include "engine/cpu/ball_sums.h"
+
+#include "engine/cpu/refit_patch.h"
+#include "engine/cpu/rim_sums.h"
+
+namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
+
+// ---- What is near
+
+// The set of those of sixteen spheres that come so near to a place.
+inline uint32_t spheres_near(const SphereList &spheres, int32_t first, const Vector<3, Lanes> &place, float reach) {
+  uint32_t bits = 0;
+  for (int lane = 0; lane < group_lanes; lane += lane_count) {
+    const int32_t i = first + lane;
+    const Vector<3, Lanes> middle(load(spheres.middle[0] + i), load(spheres.middle[1] + i), load(spheres.middle[2] + i));
+    const Lanes beyond = load(spheres.reach + i) + reach;
+    bits |= bits_of(square_of(middle - place) < beyond * beyond) << lane;
+  }
+  return bits;
+}
+
+template <class Use> inline void for_each_bit(uint32_t bits, const Use &use) {
+  for (; bits != 0; bits &= bits - 1) use(__builtin_ctz(bits));
+}
+
+int32_t find(const PatchArrays &surface, const CenterLanes &centers, int32_t *patches) {
+  const Vector<3, Lanes> place = all(centers.middle);
+  const float reach = 1.00001f * (centers.radius + centers.spread);
+  const SphereList(&levels)[3] = surface.levels;
+  int32_t count = 0;
+  for (int32_t top = 0; top < levels[2].count; top += group_lanes)
+    for_each_bit(spheres_near(levels[2], top, place, reach), [&](int32_t k) {
+      const int32_t middle = group_lanes * (top + k);
+      for_each_bit(spheres_near(levels[1], middle, place, reach), [&](int32_t j) {
+        const int32_t low = group_lanes * (middle + j);
+        for_each_bit(spheres_near(levels[0], low, place, reach), [&](int32_t i) { patches[count++] = low + i; });
+      });
+    });
+  return count;
+}
+
+// The set of centers that lie so near to a place.
+inline uint32_t centers_near(const CenterLanes &centers, const Vector<3, Lanes> &place, float square) {
+  uint32_t bits = 0;
+  for (int first = 0; first < group_lanes; first += lane_count)
+    bits |= bits_of(square_of(load3(centers.position, first) - place) < square) << first;
+  return bits;
+}
+
+inline Vector<3, Lanes> place_of(const float *const (&position)[3], int32_t i) {
+  return {position[0][i], position[1][i], position[2][i]};
+}
+
+// What a patch is to the centers; nothing where no ball meets even what its triangles reach of other patches.
+inline bool find_nearness(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, Nearness &nearness) {
+  const Vector<3, Lanes> middle = place_of({surface.sphere[0], surface.sphere[1], surface.sphere[2]}, patch);
+  const float reach = surface.sphere[3][patch], far = centers.radius + reach, beyond = centers.radius + surface.own_reach[patch],
+              room = std::max(centers.radius - reach, 0.0f);
+  Lanes squares[group_lanes / lane_count];
+  const auto within = [&](float square) {
+    uint32_t bits = 0;
+    for (int first = 0; first < group_lanes; first += lane_count) bits |= bits_of(squares[first / lane_count] < square) << first;
+    return bits;
+  };
+  for (int first = 0; first < group_lanes; first += lane_count)
+    squares[first / lane_count] = square_of(load3(centers.position, first) - middle);
+  if (within(far * far) == 0) return false;
+  nearness = within(beyond * beyond) == 0           ? Nearness::outside
+             : within(room * room) == centers.all() ? Nearness::inside
+                                                    : Nearness::some;
+  return true;
+}
+
+void look(const PatchArrays &surface, const CenterLanes &centers, NearPatches &near) {
+  const float square = centers.radius * centers.radius;
+  const int32_t candidates = near.patches;
+  int32_t patches = 0, points = 0;
+  for (int32_t i = 0; i < candidates; ++i) {
+    const int32_t patch = near.patch[i];
+    Nearness nearness;
+    if (!find_nearness(surface, centers, patch, nearness)) continue;
+    near.patch[patches] = patch;
+    near.nearness[patches++] = nearness;
+    if (nearness == Nearness::outside) continue;
+    for (int32_t point = surface.patch_begin[patch]; point < surface.patch_begin[patch + 1]; ++point) {
+      const uint32_t in =
+          nearness == Nearness::inside ? centers.all() : centers_near(centers, place_of(surface.position, point), square);
+      near.in[point] = static_cast<uint16_t>(in);
+      near.point[points] = point;
+      points += in != 0;
+    }
+  }
+  near.patches = patches;
+  near.points = points;
+}
+
+// As BallEdges has it, of edges whose ends lie outside.
+uint32_t dips(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to) {
+  const Vector<3, Lanes> a = place_of(surface.position, from), way = place_of(surface.position, to) - a;
+  const Lanes length = square_of(way);
+  uint32_t bits = 0;
+  for (int first = 0; first < group_lanes; first += lane_count) {
+    const Vector<3, Lanes> offset = a - load3(centers.position, first);
+    const Lanes beyond = square_of(offset) - centers.radius * centers.radius, along = -1.0f * dot(offset, way);
+    bits |= bits_of(along > 0.0f && along < length && beyond * length < along * along) << first;
+  }
+  return bits;
+}
+
+// ---- Lists
+
+// Sets → lists of each center. Appends to those that end at counts, and leaves no items.
+inline void list_by_center(CenterLists &lists, int centers, int32_t (&counts)[group_lanes]) {
+  for (int32_t i = lists.count; i % lane_count != 0; ++i) lists.centers[i] = 0;
+  for (int32_t first = 0; first < lists.count; first += lane_count) {
+    Choices::Bits items, sets;
+    __builtin_memcpy(&items, lists.item + first, sizeof items);
+    __builtin_memcpy(&sets, lists.centers + first, sizeof sets);
+    for (int i = 0; i < centers; ++i)
+      counts[i] = append(bits_of(Choices{(sets & (1 << i)) != 0}), items, lists.of_center[i], counts[i]);
+  }
+  lists.count = 0;
+}
+
+inline void append(const Choices::Bits &sets, const Choices::Bits &items, CenterLists &lists) {
+  const uint32_t bits = bits_of(Choices{sets != 0});
+  append(bits, sets, lists.centers, lists.count);
+  lists.count = append(bits, items, lists.item, lists.count);
+}
+
+// Triangles of a patch of which some corner is in a ball, with the sets of all three. These are written one by one, and read by
+// whole vectors not before those of the whole run of patches are there: reading what is being written would wait.
+inline void list_touched(const PatchArrays &surface, int32_t patch, const uint16_t *reached, TouchedTriangles &touched) {
+  int32_t count = touched.count;
+  const int32_t *corner = surface.corner + 3 * static_cast<ptrdiff_t>(surface.triangle_begin[patch]);
+  for (int32_t t = surface.triangle_begin[patch]; t < surface.triangle_begin[patch + 1]; ++t, corner += 3) {
+    const int32_t a = reached[corner[0]], b = reached[corner[1]], c = reached[corner[2]];
+    touched.triangle[count] = t;
+    touched.corner[0][count] = a;
+    touched.corner[1][count] = b;
+    touched.corner[2][count] = c;
+    count += (a | b | c) != 0;
+  }
+  touched.count = count;
+}
+
+// A triangle that has two corners or more in a ball counts as a whole there; one that has one or two is cut. The corner that is
+// alone on its side is the first where both others differ from it, and so on. Nothing here may branch: what a triangle is
+// cannot be foreseen. Sixteen triangles follow each other by corners, whatever the width.
+inline void sort_triangles(GroupLists &lists) {
+  constexpr int32_t row = sizeof(RimTriangle) / sizeof(float);
+  TouchedTriangles &touched = lists.touched;
+  for (int i = 0; i < group_lanes; ++i)
+    for (int32_t *const sets : touched.corner) sets[touched.count + i] = 0;
+  const auto bits = [](const int32_t *from) {
+    Choices::Bits loaded;
+    __builtin_memcpy(&loaded, from, sizeof loaded);
+    return loaded;
+  };
+  for (int32_t block = 0; block < touched.count; block += group_lanes)
+    for (int corner = 0; corner < 3; ++corner)
+      for (int32_t first = block; first < block + group_lanes; first += lane_count) {
+        const auto set = [&](int k) { return bits(touched.corner[(corner + k) % 3] + first); };
+        const Choices::Bits a = set(0), b = set(1), c = set(2), triangle = bits(touched.triangle + first);
+        if (corner == 0) append((a & b) | (c & (a | b)), triangle, lists.wholes);
+        append((a ^ b) & (a ^ c), row * triangle + 3 * corner, lists.corners);
+      }
+  touched.count = 0;
+}
+
+// ---- Wholes
+
+// Four moments at a time.
+template <size_t... k> inline void turn_rows(const MomentRow *const *rows, Lanes (&to)[moment_row], std::index_sequence<k...>) {
+  const auto turn = [&](const Vector<4, Lanes> &four, size_t first) {
+    to[first] = four.x;
+    to[first + 1] = four.y;
+    to[first + 2] = four.z;
+    to[first + 3] = four.w;
+  };
+  (turn(gather<4 * sizeof(float) * k>(rows), 4 * k), ...);
+}
+
+// Moments around the centers: area, xx to yz, xn to yz + zy as Moment has them, facets, noise.
+constexpr int total_area = 0, total_xx = 1, total_xn = 7, total_facet = 13, total_noise = 14, totals = 15;
+struct alignas(64) Totals {
+  float sum[totals][group_lanes];
+};
+
+// From an origin, at d from the centers, to these.
+inline void add_moved(const Lanes (&m)[moment_row], const Vector<3, Lanes> &d, int first, Totals &to) {
+  const auto add = [&](int total, const Lanes &value) { store(to.sum[total] + first, load(to.sum[total] + first) + value); };
+  const Lanes &area = m[moment_area], &x = m[moment_x], &y = m[moment_x + 1], &z = m[moment_x + 2];
+  const Lanes &nx = m[moment_n], &ny = m[moment_n + 1], &nz = m[moment_n + 2];
+  const Lanes far_x = x + area * d.x, far_y = y + area * d.y, far_z = z + area * d.z;
+  const Lanes xx[6] = {(x + far_x) * d.x,     (y + far_y) * d.y,     (z + far_z) * d.z,
+                       x * d.y + far_y * d.x, x * d.z + far_z * d.x, y * d.z + far_z * d.y};
+  const Lanes xn[6] = {d.x * nx, d.y * ny, d.z * nz, d.x * ny + d.y * nx, d.x * nz + d.z * nx, d.y * nz + d.z * ny};
+  add(total_area, area);
+  for (int k = 0; k < 6; ++k) {
+    add(total_xx + k, m[moment_xx + k] + xx[k]);
+    add(total_xn + k, m[moment_xn + k] + xn[k]);
+  }
+  add(total_facet, m[moment_facet]);
+  add(total_noise, m[moment_noise]);
+}
+
+// In parts of eight floats.
+struct RowSum {
+  EightFloats a{}, b{}, c{};
+  static EightFloats eight(const float *from) {
+    EightFloats floats;
+    __builtin_memcpy(&floats, from, sizeof floats);
+    return floats;
+  }
+  void add(const MomentRow &row) {
+    a += eight(row.of);
+    b += eight(row.of + 8);
+    c += eight(row.of + 16);
+  }
+};
+
+// Rows, of which every other one has a sum of its own, so that no sum waits for the last one.
+inline void add_rows(const MomentRow *rows, int32_t *list, int32_t count, int32_t nothing, MomentRow &to) {
+  static_assert(moment_row == 24);
+  RowSum even, odd;
+  list[count] = nothing;
+  for (int32_t i = 0; i < count; i += 2) {
+    even.add(rows[list[i]]);
+    odd.add(rows[list[i + 1]]);
+  }
+  const EightFloats sums[] = {even.a + odd.a, even.b + odd.b, even.c + odd.c};
+  __builtin_memcpy(to.of, sums, sizeof to.of);
+}
+
+// What was listed, all of one origin.
+inline void add_wholes(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, CenterLists &wholes, Totals &to) {
+  if (wholes.count == 0) return;
+  int32_t counts[group_lanes] = {};
+  list_by_center(wholes, centers.count, counts);
+  MomentRow sums[group_lanes] = {};
+  for (int i = 0; i < centers.count; ++i) add_rows(surface.moment, wholes.of_center[i], counts[i], surface.triangles, sums[i]);
+  const Vector<3, Lanes> origin = place_of({surface.origin[0], surface.origin[1], surface.origin[2]}, patch);
+  const MomentRow *rows[group_lanes];
+  for (int i = 0; i < group_lanes; ++i) rows[i] = &sums[i];
+  for (int first = 0; first < group_lanes; first += lane_count) {
+    Lanes of_moment[moment_row];
+    turn_rows(rows + first, of_moment, std::make_index_sequence<moment_row / 4>());
+    add_moved(of_moment, origin - load3(centers.position, first), first, to);
+  }
+}
+
+inline void add_patches(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, GroupLists &lists,
+                        Totals &to) {
+  for (int32_t i = 0; i < near.patches; ++i) {
+    const int32_t patch = near.patch[i], node = patch / group_lanes;
+    if (near.nearness[i] == Nearness::inside) { // and hangs together: it is reached where one of its points is
+      CenterLists &wholes = lists.wholes;
+      wholes.item[wholes.count] = surface.row_of_patch(patch);
+      wholes.centers[wholes.count++] = near.reached[surface.patch_begin[patch]];
+    } else {
+      list_touched(surface, patch, near.reached, lists.touched);
+    }
+    const bool last = i + 1 == near.patches || near.patch[i + 1] / group_lanes != node || surface.apart[node] != 0;
+    if (!last) continue;
+    sort_triangles(lists);
+    add_wholes(surface, centers, patch, lists.wholes, to);
+  }
+}
+
+// ---- All of it
+
+struct alignas(64) Tangents {
+  float t[2][3][group_lanes];
+};
+
+// As sums_init() has them.
+inline Tangents tangents_of(const CenterLanes &centers) {
+  Tangents to;
+  for (int first = 0; first < group_lanes; first += lane_count) {
+    const Vector<3, Lanes> n = load3(centers.normal, first);
+    const Lanes s = mix(-1.0f, 1.0f, n.z >= 0.0f), a = -1.0f / (s + n.z), b = n.x * n.y * a;
+    const Lanes t[2][3] = {{1.0f + s * n.x * n.x * a, s * b, -1.0f * s * n.x}, {b, s + n.y * n.y * a, -1.0f * n.y}};
+    for (int i = 0; i < 2; ++i)
+      for (int axis = 0; axis < 3; ++axis) store(to.t[i][axis] + first, t[i][axis]);
+  }
+  return to;
+}
+
+// Wholes → sums in the tangent planes.
+inline void project(const Totals &from, const Tangents &tangents, int first, Lanes (&sums)[ball_sums]) {
+  const Vector<3, Lanes> t1 = load3(tangents.t[0], first), t2 = load3(tangents.t[1], first);
+  const auto form = [&](int total, const Vector<3, Lanes> &a, const Vector<3, Lanes> &b, float mixed) {
+    const auto m = [&](int k) { return load(from.sum[total + k] + first); };
+    return a.x * b.x * m(0) + a.y * b.y * m(1) + a.z * b.z * m(2) +
+           mixed * ((a.x * b.y + a.y * b.x) * m(3) + (a.x * b.z + a.z * b.x) * m(4) + (a.y * b.z + a.z * b.y) * m(5));
+  };
+  sums[0] = load(from.sum[total_area] + first);
+  sums[1] = form(total_xx, t1, t1, 1.0f);
+  sums[2] = form(total_xx, t1, t2, 1.0f);
+  sums[3] = form(total_xx, t2, t2, 1.0f);
+  sums[4] = form(total_xn, t1, t1, 0.5f);
+  sums[5] = 2.0f * form(total_xn, t1, t2, 0.5f);
+  sums[6] = form(total_xn, t2, t2, 0.5f);
+  sums[7] = load(from.sum[total_facet] + first);
+  sums[8] = load(from.sum[total_noise] + first);
+}
+
+inline void add_rims(const PatchArrays &surface, const CenterLanes &centers, const Tangents &tangents, bool with_noise,
+                     CenterLists &corners, BallSums &sums) {
+  int32_t counts[group_lanes] = {};
+  list_by_center(corners, centers.count, counts);
+  for (int i = 0; i < centers.count; ++i) {
+    const auto lane = [i](const float(&v)[3][group_lanes]) { return Vector<3, Lanes>(v[0][i], v[1][i], v[2][i]); };
+    const RimCenter center{lane(centers.position), lane(tangents.t[0]), lane(tangents.t[1]), centers.radius * centers.radius};
+    float of_center[ball_sums];
+    (with_noise ? add_rim<true> : add_rim<false>)(surface, center, corners.of_center[i], counts[i], of_center);
+    for (int k = 0; k < ball_sums; ++k) sums[k][i] = of_center[k];
+  }
+}
+
+void add(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,
+         BallSums &sums) {
+  Totals wholes = {};
+  lists.touched.count = lists.wholes.count = lists.corners.count = 0;
+  add_patches(surface, centers, near, lists, wholes);
+  const Tangents tangents = tangents_of(centers);
+  alignas(64) BallSums rim = {};
+  add_rims(surface, centers, tangents, with_noise, lists.corners, rim);
+  const float per_radius = 1.0f / centers.radius, per_square = per_radius * per_radius;
+  const float units[ball_sums] = {1.0f, per_square, per_square, per_square, per_radius, per_radius, per_radius, 1.0f, per_square};
+  for (int first = 0; first < group_lanes; first += lane_count) {
+    Lanes of_wholes[ball_sums];
+    project(wholes, tangents, first, of_wholes);
+    for (int k = 0; k < ball_sums; ++k) store(sums[k] + first, (of_wholes[k] + load(rim[k] + first)) * units[k]);
+  }
+}
+
+#define TEXT_OF(name) #name
+#define TARGET_NAME(target) TEXT_OF(target)
+#define JOIN(a, b) a##b
+#define BALL_SUMS_OF(target) JOIN(ball_sums_of_, target)
+extern const BallTarget BALL_SUMS_OF(KERNEL_TARGET);
+const BallTarget BALL_SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), refit, find, look, dips, add};
+
+} // namespace KERNEL_TARGET
+} // namespace paradesc::kernels

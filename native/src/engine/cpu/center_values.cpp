@@ -1,0 +1,38 @@
+// Rows of the registry → values that are not known yet, and the units that they are in.
+#include "engine/cpu/center_values.h"
+
+#include <cstdlib>
+#include <limits>
+
+#include "descriptor/registry.h"
+#include "support/cancel.h"
+
+namespace paradesc {
+
+CenterResults unknown_results(size_t count, std::span<const int> rows) {
+  CenterResults results = results_at_points(static_cast<int>(count));
+  checkpoint();
+  for (const int row : rows)
+    results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
+                                std::numeric_limits<float>::quiet_NaN());
+  results.boundary.assign(count, 0);
+  return results;
+}
+
+// By products alone, which have the same bits everywhere.
+static double power(double base, int exponent) {
+  double product = 1.0;
+  for (int k = 0; k < std::abs(exponent); ++k) product *= base;
+  return exponent < 0 ? 1.0 / product : product;
+}
+
+void scale_values(std::span<const int> rows, double scale, CenterResults &results) {
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const int exponent = -descriptor_row(rows[k]).length_power;
+    if (exponent == 0) continue;
+    const double unit = power(scale, exponent);
+    for (float &value : results.values[k]) value = in_unit(value, unit);
+  }
+}
+
+} // namespace paradesc

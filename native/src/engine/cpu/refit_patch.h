@@ -1,0 +1,185 @@
+// The corners of a node's triangles, as they lie now → spheres of its patches, the moments of the triangles, and what the rim
+// asks of them. Each set of instructions has its own, under KERNEL_TARGET.
+#pragma once
+
+#include <algorithm>
+
+#include "engine/cpu/ball_sums.h"
+#include "engine/cpu/lane_memory.h"
+
+namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
+
+// ---- The sphere
+
+// The middle of the box around a patch's points.
+inline void find_middle(const PatchArrays &surface, int32_t patch, float *middle) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float *const position = surface.position[axis];
+    float low = position[surface.patch_begin[patch]], high = low;
+    for (int32_t point = surface.patch_begin[patch] + 1; point < surface.patch_begin[patch + 1]; ++point) {
+      low = std::min(low, position[point]);
+      high = std::max(high, position[point]);
+    }
+    middle[axis] = 0.5f * (low + high);
+  }
+}
+
+inline float square_from(const PatchArrays &surface, int32_t point, const float *middle) {
+  float sum = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float gap = surface.position[axis][point] - middle[axis];
+    sum += gap * gap;
+  }
+  return sum;
+}
+
+// How far the patch's points and all corners of its triangles reach from there, and a little more than rounding takes off.
+inline void find_reach(const PatchArrays &surface, int32_t patch, const float *middle) {
+  constexpr float rounding = 1.00001f;
+  float own = 0.0f;
+  for (int32_t point = surface.patch_begin[patch]; point < surface.patch_begin[patch + 1]; ++point)
+    own = std::max(own, square_from(surface, point, middle));
+  float all = own;
+  for (int32_t k = 3 * surface.triangle_begin[patch]; k < 3 * surface.triangle_begin[patch + 1]; ++k)
+    all = std::max(all, square_from(surface, surface.corner[k], middle));
+  for (int axis = 0; axis < 3; ++axis) surface.sphere[axis][patch] = middle[axis];
+  surface.sphere[3][patch] = rounding * std::sqrt(all);
+  surface.own_reach[patch] = rounding * std::sqrt(own);
+}
+
+// ---- The triangles
+
+// Sixteen triangles, of which the last ones may be none.
+struct alignas(64) RefitBlock {
+  float corner[3][3][group_lanes], normal[3][3][group_lanes]; // corners relative to the patch's origin
+  float noise[group_lanes], per_twice_area[group_lanes];
+  float moment[moments][group_lanes];
+};
+
+// normals: at the corners of these triangles.
+inline void read_block(const PatchArrays &surface, const float *origin, int32_t first, int32_t count, const float *normals,
+                       RefitBlock &block) {
+  if (count < group_lanes) block = {};
+  for (int32_t i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        block.corner[k][axis][i] = surface.position[axis][surface.corner[3 * (first + i) + k]] - origin[axis];
+        block.normal[k][axis][i] = normals[9 * i + 3 * k + axis];
+      }
+    block.noise[i] = surface.noise[first + i];
+  }
+}
+
+// Normals at the corners → such that what is linear between them has the unit normals at the middles of the edges. Two that are
+// opposed have the first of them between them.
+inline void straighten(Lanes (&normal)[3][3]) {
+  Lanes middle[3][3]; // of corners k and k + 1
+  for (int k = 0; k < 3; ++k) {
+    Lanes square = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      middle[k][axis] = normal[k][axis] + normal[(k + 1) % 3][axis];
+      square += middle[k][axis] * middle[k][axis];
+    }
+    const Choices opposed = square < 1e-12f;
+    const Lanes root = fast_inversesqrt(max(square, 1e-12f));
+    for (int axis = 0; axis < 3; ++axis) middle[k][axis] = mix(middle[k][axis] * root, normal[k][axis], opposed);
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < 3; ++k) normal[k][axis] = middle[k][axis] + middle[(k + 2) % 3][axis] - middle[(k + 1) % 3][axis];
+}
+
+// The second moments of a triangle are those of its corners and, nine times, of its middle, over twelve.
+inline void find_moments(RefitBlock &block, int first) {
+  Lanes x[4][3], n[4][3]; // of the corners, and their sums
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) x[k][axis] = load(block.corner[k][axis] + first);
+    x[3][axis] = x[0][axis] + x[1][axis] + x[2][axis];
+  }
+  Lanes normal[3][3];
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) normal[k][axis] = load(block.normal[k][axis] + first);
+  straighten(normal);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) store(block.normal[k][axis] + first, n[k][axis] = normal[k][axis]);
+    n[3][axis] = n[0][axis] + n[1][axis] + n[2][axis];
+  }
+  const auto side = [&](int k) { return Vector<3, Lanes>(x[k][0] - x[0][0], x[k][1] - x[0][1], x[k][2] - x[0][2]); };
+  const Lanes square = square_of(cross(side(1), side(2))), root = fast_inversesqrt(max(square, 1e-36f));
+  const Lanes area = 0.5f * square * root, third = area * (1.0f / 3.0f), twelfth = area * (1.0f / 12.0f);
+  const auto put = [&](int moment, const Lanes &value) { store(block.moment[moment] + first, value); };
+  const auto product = [&](const Lanes(&a)[4][3], int i, const Lanes(&b)[4][3], int k) {
+    return twelfth * (a[0][i] * b[0][k] + a[1][i] * b[1][k] + a[2][i] * b[2][k] + a[3][i] * b[3][k]);
+  };
+  store(block.per_twice_area + first, root);
+  put(moment_area, area);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int i = axis == 2 ? 1 : 0, k = axis == 0 ? 1 : 2; // xy, xz, yz
+    put(moment_x + axis, third * x[3][axis]);
+    put(moment_n + axis, third * n[3][axis]);
+    put(moment_xx + axis, product(x, axis, x, axis));
+    put(moment_xx + 3 + axis, product(x, i, x, k));
+    put(moment_xn + axis, product(x, axis, n, axis));
+    put(moment_xn + 3 + axis, product(x, i, n, k) + product(x, k, n, i));
+  }
+  put(moment_facet, area * area);
+  put(moment_noise, area * load(block.noise + first));
+}
+
+inline void write_triangle(const PatchArrays &surface, int32_t triangle, const RefitBlock &block, int32_t i, MomentRow &patch) {
+  MomentRow &row = surface.moment[triangle];
+  for (int k = 0; k < moment_row; ++k) row.of[k] = k < moments ? block.moment[k][i] : 0.0f;
+  for (int k = 0; k < moment_row; ++k) patch.of[k] += row.of[k];
+  RimTriangle &rim = surface.rim[triangle];
+  for (int k = 0; k < 5; ++k)
+    for (int axis = 0; axis < 3; ++axis) {
+      rim.corner[k][axis] = surface.position[axis][surface.corner[3 * triangle + k % 3]];
+      rim.normal[k][axis] = block.normal[k % 3][axis][i];
+    }
+  rim.area = block.moment[moment_area][i];
+  rim.per_twice_area = block.per_twice_area[i];
+}
+
+inline void refit_triangles(const PatchArrays &surface, int32_t patch, const float *normals) {
+  const float origin[3] = {surface.origin[0][patch], surface.origin[1][patch], surface.origin[2][patch]};
+  MomentRow of_patch = {};
+  RefitBlock block;
+  for (int32_t first = surface.triangle_begin[patch]; first < surface.triangle_begin[patch + 1]; first += group_lanes) {
+    const int32_t count = std::min<int32_t>(group_lanes, surface.triangle_begin[patch + 1] - first);
+    read_block(surface, origin, first, count, normals + 9 * (first - surface.triangle_begin[patch]), block);
+    for (int lane = 0; lane < group_lanes; lane += lane_count) find_moments(block, lane);
+    for (int32_t i = 0; i < count; ++i) write_triangle(surface, first + i, block, i, of_patch);
+  }
+  surface.moment[surface.row_of_patch(patch)] = of_patch;
+}
+
+// Products of positions lose what they have in common: an origin is near if it lies within some sizes of the patches.
+inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last) {
+  constexpr float near = 8.0f;
+  float largest = 0.0f, square = 0.0f, middle[3];
+  for (int32_t patch = first; patch < last; ++patch) largest = std::max(largest, surface.sphere[3][patch]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax_element(surface.sphere[axis] + first, surface.sphere[axis] + last);
+    middle[axis] = 0.5f * (*low + *high);
+    square += 0.25f * (*high - *low) * (*high - *low);
+  }
+  const bool apart = !(square <= near * near * largest * largest);
+  surface.apart[first / group_lanes] = apart;
+  for (int32_t patch = first; patch < last; ++patch)
+    for (int axis = 0; axis < 3; ++axis) surface.origin[axis][patch] = apart ? surface.sphere[axis][patch] : middle[axis];
+}
+
+inline void refit(const PatchArrays &surface, int32_t node, const float *normals) {
+  const int32_t first = group_lanes * node, last = std::min(first + group_lanes, surface.patches);
+  for (int32_t patch = first; patch < last; ++patch) {
+    float middle[3];
+    find_middle(surface, patch, middle);
+    find_reach(surface, patch, middle);
+  }
+  find_origins(surface, first, last);
+  for (int32_t patch = first; patch < last; ++patch)
+    refit_triangles(surface, patch, normals + 9 * (surface.triangle_begin[patch] - surface.triangle_begin[first]));
+}
+
+} // namespace KERNEL_TARGET
+} // namespace paradesc::kernels

@@ -1,0 +1,158 @@
+// The triangles that the ball of one center cuts → what they add to its sums beyond those that count as wholes. Each set of
+// instructions has its own, under KERNEL_TARGET.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "engine/cpu/ball_sums.h"
+#include "engine/cpu/lane_memory.h"
+
+namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
+
+// A center as the rim's lanes see it.
+struct RimCenter {
+  Vector<3, Lanes> position, t1, t2;
+  float square; // of the radius
+};
+
+struct RimSums {
+  Lanes area, xx[3], xn[3], facets, noise; // xx, xy, yy; x m, x o + y m, y o of normals (m, o)
+};
+
+// In the tangent plane.
+struct Flat {
+  Lanes u, v;
+};
+inline Flat flat(const RimCenter &center, const Vector<3, Lanes> &v) { return {dot(v, center.t1), dot(v, center.t2)}; }
+inline Flat operator+(const Flat &a, const Flat &b) { return {a.u + b.u, a.v + b.v}; }
+inline Flat operator-(const Flat &a, const Flat &b) { return {a.u - b.u, a.v - b.v}; }
+inline Flat operator*(const Lanes &s, const Flat &a) { return {s * a.u, s * a.v}; }
+
+// The products of a place and of it with a normal, by some area.
+inline void add_products(const Lanes &area, const Flat &x, const Flat &n, RimSums &sums) {
+  const Lanes u = area * x.u, v = area * x.v;
+  sums.xx[0] += u * x.u;
+  sums.xx[1] += u * x.v;
+  sums.xx[2] += v * x.v;
+  sums.xn[0] += u * n.u;
+  sums.xn[1] += u * n.v + v * n.u;
+  sums.xn[2] += v * n.v;
+}
+
+using SignBits = Choices::Bits;
+// Those floats with the other sign where the bit is set.
+inline Lanes turn_sign(const Lanes &a, const SignBits &signs) {
+  return Lanes(std::bit_cast<Lanes::Floats>(std::bit_cast<SignBits>(a.lane) ^ signs));
+}
+
+// Where edges from the alone corner meet the rim, and what is between the chord and the arc.
+struct Cut {
+  SignBits outside; // the alone corner is
+  Lanes p, q;       // shares of the edges to the next corner and to the previous one
+  Lanes arc;        // area
+  Lanes angle;      // of the arc, squared: chord over radius
+};
+
+// to: edges from the alone corner to the next and to the previous one.
+inline Cut cut_of(const RimCenter &center, const Vector<3, Lanes> &alone, const Vector<3, Lanes> (&to)[2], const Lanes &area,
+                  const Lanes &per_twice_area) {
+  const Lanes beyond = square_of(alone) - center.square;
+  const SignBits bits = std::bit_cast<SignBits>(beyond.lane), sign = SignBits{} + std::numeric_limits<int32_t>::min();
+  Cut cut;
+  cut.outside = ~bits & sign;
+  const Lanes above(std::bit_cast<Lanes::Floats>(bits & ~sign));
+  // Along an edge the squared distance less that of the rim is beyond + 2 slope t + square t^2, and its first root is above /
+  // below.
+  const auto below = [&](const Lanes &slope, const Lanes &square) {
+    const Lanes root = max(slope * slope - square * beyond, 1e-30f);
+    return max(root * fast_inversesqrt(root) + turn_sign(slope, cut.outside), 1e-18f);
+  };
+  const Lanes next = square_of(to[0]), previous = square_of(to[1]), between = dot(to[0], to[1]);
+  const Lanes below_next = below(dot(alone, to[0]), next), below_previous = below(dot(alone, to[1]), previous);
+  const Lanes share = above / (below_next * below_previous);
+  cut.p = min(share * below_previous, 1.0f);
+  cut.q = min(share * below_next, 1.0f);
+  const Lanes chord = max(cut.p * (cut.p * next - 2.0f * cut.q * between) + cut.q * cut.q * previous, 1e-30f);
+  constexpr float least = 1e-4f; // of the square of the radius that the arc has
+  const Lanes height = dot(alone, cross(to[0], to[1])) * per_twice_area;
+  const Lanes arc_square = max(center.square - height * height, least * center.square);
+  const Lanes per_radius = chord * fast_inversesqrt(chord * arc_square); // of the arc, times the chord
+  cut.angle = per_radius * per_radius;
+  cut.arc = min(chord * per_radius * (1.0f / 12.0f) * (1.0f + cut.angle * (0.075f + 0.01f * cut.angle)), area); // as a series
+  return cut;
+}
+
+// Sixteen or fewer at a time. bases: alone corners of RimTriangles.
+template <bool with_noise>
+[[gnu::always_inline]] inline void add_rim_lanes(const RimCenter &center, const float *const *bases, const float *areas,
+                                                 const float *per_twice_areas, const float *noises, RimSums &sums) {
+  constexpr size_t next = 3 * sizeof(float), previous = 6 * sizeof(float), normal = offsetof(RimTriangle, normal);
+  const Lanes area = load(areas);
+  const Vector<3, Lanes> corner = first3(gather<0>(bases));
+  const Vector<3, Lanes> to[2] = {first3(gather<next>(bases)) - corner, first3(gather<previous>(bases)) - corner};
+  const Vector<3, Lanes> alone = corner - center.position;
+  const Cut cut = cut_of(center, alone, to, area, load(per_twice_areas));
+  const Lanes third = area * cut.p * cut.q * (1.0f / 3.0f), of_corner = turn_sign(third, cut.outside);
+  const Lanes half_p = 0.5f * cut.p, half_q = 0.5f * cut.q;
+  const Flat x = flat(center, alone), along_p = half_p * flat(center, to[0]), along_q = half_q * flat(center, to[1]);
+  const Flat n = flat(center, first3(gather<normal>(bases)));
+  const Flat turn_p = half_p * (flat(center, first3(gather<normal + next>(bases))) - n);
+  const Flat turn_q = half_q * (flat(center, first3(gather<normal + previous>(bases))) - n);
+  // The middles of the corner's edges, where a quadratic has its mean. What lies between chord and arc has it beyond the middle
+  // of the chord, by two fifths of the height of the arc, and varies along the chord by a twentieth of its square.
+  add_products(of_corner, x + along_p, n + turn_p, sums);
+  add_products(of_corner, x + along_q, n + turn_q, sums);
+  add_products(of_corner + cut.arc * (1.0f + 0.1f * cut.angle), x + along_p + along_q, n + turn_p + turn_q, sums);
+  add_products(cut.arc * 0.2f, along_q - along_p, turn_q - turn_p, sums);
+  const Lanes part = 3.0f * of_corner + cut.arc;
+  sums.area += part;
+  if constexpr (with_noise) {
+    sums.facets += part * area;
+    sums.noise += part * load(noises);
+  }
+}
+
+// corners: as GroupLists has them, with room to fill up the last lanes.
+template <bool with_noise>
+void add_rim(const PatchArrays &surface, const RimCenter &center, int32_t *corners, int32_t count, float (&to)[ball_sums]) {
+  constexpr int32_t row = sizeof(RimTriangle) / sizeof(float), parts = group_lanes / lane_count;
+  const float *const rims = surface.rim[0].corner[0];
+  const int32_t last = (count + lane_count - 1) / lane_count * lane_count;
+  for (int32_t i = count; i < last; ++i) corners[i] = row * surface.triangles; // one that is zero
+  RimSums sums[parts];
+  for (RimSums &of_part : sums) of_part = RimSums{0.0f, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, 0.0f};
+  for (int32_t i = 0; i < last; i += lane_count) {
+    for (int lane = 0; lane < lane_count && i + lane_count < last; ++lane) { // the next ones lie anywhere
+      __builtin_prefetch(rims + static_cast<uint32_t>(corners[i + lane_count + lane]) / row * row);
+      __builtin_prefetch(rims + static_cast<uint32_t>(corners[i + lane_count + lane]) / row * row + row / 2);
+    }
+    const float *bases[lane_count];
+    alignas(64) float areas[lane_count], per_twice_areas[lane_count], noises[lane_count];
+    for (int lane = 0; lane < lane_count; ++lane) {
+      const auto corner = static_cast<uint32_t>(corners[i + lane]);
+      const float *const triangle = rims + corner / row * row;
+      bases[lane] = rims + corner;
+      areas[lane] = triangle[offsetof(RimTriangle, area) / sizeof(float)];
+      per_twice_areas[lane] = triangle[offsetof(RimTriangle, per_twice_area) / sizeof(float)];
+      if constexpr (with_noise) noises[lane] = surface.noise[corner / row];
+    }
+    add_rim_lanes<with_noise>(center, bases, areas, per_twice_areas, noises, sums[i / lane_count % parts]);
+  }
+  const auto fold_all = [&](auto member) {
+    Lanes lanes[parts];
+    for (int32_t i = 0; i < parts; ++i) lanes[i] = member(sums[i]);
+    return fold_lanes(lanes);
+  };
+  to[0] = fold_all([](const RimSums &s) { return s.area; });
+  for (int k = 0; k < 3; ++k) {
+    to[1 + k] = fold_all([k](const RimSums &s) { return s.xx[k]; });
+    to[4 + k] = fold_all([k](const RimSums &s) { return s.xn[k]; });
+  }
+  to[7] = with_noise ? fold_all([](const RimSums &s) { return s.facets; }) : 0.0f;
+  to[8] = with_noise ? fold_all([](const RimSums &s) { return s.noise; }) : 0.0f;
+}
+
+} // namespace KERNEL_TARGET
+} // namespace paradesc::kernels
