@@ -175,14 +175,16 @@ TEST(ExactPass, has_every_triangle_and_every_point_once) {
   }
 }
 
-// Of a regular grid of n x n squares over a square of side 2: a rim of radius r crosses 8 r of grid lines' worth a spacing, and
-// diagonals as often as they are longer.
-TEST(ExactChoice, counts_the_triangles_that_the_rim_cuts) {
-  const Surfaced surface(shapes::triangles_of(shapes::grid(40, 40)));
+// A regular grid of squares of side 1, halved by diagonals.
+TEST(ExactChoice, knows_where_triangles_are_large_or_many) {
+  Shape flat = shapes::grid(40, 40);
+  for (vec3 &position : flat.positions) position.z = 0.0f;
+  const Surfaced surface(shapes::triangles_of(flat));
   const TriangleSizes sizes = measure_triangles(surface.triangles, surface.half_edges, 2);
-  EXPECT_GT(sizes.longest_edge, std::sqrt(2.0) - 1e-6);
+  EXPECT_NEAR(sizes.longest_edge, std::sqrt(2.0), 1e-6);
+  EXPECT_NEAR(sizes.rim_per_radius, 2.0 * (2.0 + std::sqrt(2.0)) / 0.5, 1e-4) << "twice the perimeter over the area";
   EXPECT_TRUE(suits_exact_sums({.longest_edge = 1, .rim_per_radius = 14}, 4));
-  EXPECT_FALSE(suits_exact_sums({.longest_edge = 1, .rim_per_radius = 14}, 0.9)) << "a triangle is large";
+  EXPECT_FALSE(suits_exact_sums({.longest_edge = 1, .rim_per_radius = 14}, 0.7)) << "a triangle is large";
   EXPECT_FALSE(suits_exact_sums({.longest_edge = 1, .rim_per_radius = 14}, 40)) << "the rim cuts many";
 }
 

@@ -62,7 +62,7 @@ bool has_exact_sums(const Surface &surface, const Request &request, const Pass &
 }
 
 bool suits_exact_sums(const TriangleSizes &sizes, double radius) {
-  constexpr double longest_edge = 1.0;  // of the radius: an edge that leaves the ball and comes back is short of its middle
+  constexpr double longest_edge = 1.25; // of the radius: an edge that leaves the ball and comes back is short of its middle
   constexpr double most_at_rim = 180.0; // beyond, clusters of triangles take less time
   return sizes.longest_edge <= longest_edge * radius && sizes.rim_per_radius * radius <= most_at_rim;
 }
