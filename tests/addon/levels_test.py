@@ -125,8 +125,24 @@ def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(loo
     looks.same_scale = False
     assert spans() == pytest.approx(own)
     looks.same_scale = True
+    together = spans()
+    assert bpy.ops.paradesc.recolor() == {"FINISHED"}
+    assert spans() == together
     bake(one, other)
     assert spans()[0] == spans()[1]
+
+
+def test_recolor_gives_all_masks_of_selected_meshes_the_same_scale_in_edit_mode_too(looks):
+    one, other = bumpy("one", 0.1), bumpy("other", 0.6)
+    bake(one)
+    bake(other)
+    looks.same_scale = True  # of the one that is selected now
+    select(one, other)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.paradesc.recolor(every=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    spans = [record.read(item.data)["ranges"][NAME][1] for item in (one, other)]
+    assert spans[0] == spans[1]
 
 
 def test_masks_that_are_not_shown_get_the_same_scale_and_lose_it_too_while_levels_are_of_the_shown_one(looks):

@@ -42,15 +42,15 @@ def wound(report: dict[str, float | int]) -> list[str]:
     if report["opposed_edges"]:
         found.append(
             f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken apart "
-            "there: make their winding one (Mesh > Normals > Recalculate Outside, or trimesh.repair.fix_winding)."
+            "there: make their winding one (in edit mode, with all selected, Mesh > Normals > Recalculate Outside)."
         )
     if report["inward_parts"]:
         count = report["inward_parts"]
         some = f"{count:,} closed part is" if count == 1 else f"{count:,} closed parts are"
         which = "The closed mesh is" if report["parts"] == 1 else some
         found.append(
-            f"{which} wound inwards, so that what is convex counts as concave: turn the faces (Mesh > Normals > "
-            "Recalculate Outside, or trimesh.repair.fix_inversion)."
+            f"{which} wound inwards, so that what is convex counts as concave: turn the faces (in edit mode, with "
+            "all selected, Mesh > Normals > Recalculate Outside)."
         )
     return found
 
@@ -61,8 +61,8 @@ def fallen_apart(report: dict[str, float | int], used: int) -> str:
     parts = f"The mesh falls apart: {counted}, and values are those of single faces"
     if report["boundary_edges"] > used:
         return (
-            f"{parts}. Where corners lie beside each other, make them one (Mesh > Merge by Distance, or trimesh's "
-            "merge_vertices with fewer digits)."
+            f"{parts}. Where corners lie beside each other, make them one (in edit mode, with all selected, Mesh > Merge > "
+            "By Distance)."
         )
     return f"{parts}. Remove faces that lie within or upon others, and make the winding of the rest one."
 

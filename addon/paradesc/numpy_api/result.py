@@ -14,6 +14,18 @@ from ..files.results import statistics
 from .other_meshes import write_to
 
 AnyMesh = TypeVar("AnyMesh")
+# What mends a mesh in Python, where nobody has Blender's menus, by words of the sentences, which end with a menu.
+IN_PYTHON = {
+    "wound against each other": "trimesh.repair.fix_winding",
+    "wound inwards": "trimesh.repair.fix_inversion",
+    "By Distance": "trimesh's merge_vertices with fewer digits",
+}
+
+
+def for_python(sentence: str) -> str:
+    """The sentence with what does the same in Python as the menu at its end."""
+    call = next((call for words, call in IN_PYTHON.items() if words in sentence), "")
+    return f"{sentence.removesuffix(').')}, or {call})." if call else sentence
 
 
 class ParadescWarning(UserWarning):
@@ -82,7 +94,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
         self.radius, self._diagonal = results.radius, float(results.mesh_report["diagonal"])
         found = results.corners
         self.corners = np.zeros(0, np.int32) if found is None else found.vertices.astype(np.int32)
-        self.warnings = [*results.warnings, *results.facet_notes()]
+        self.warnings = [*map(for_python, results.warnings), *results.facet_notes()]
         self.notes = [*results.notes, *results.unused_notes()]
         self.backend, self.device = results.backend, results.device
         self.report = self._report(results)

@@ -154,6 +154,7 @@ class NeedsBake:
         found = baked_targets(context) if self.whole_selection else [targets.first(context)]
         failures = 0
         with modes.object_mode():
+            self.prepare(context, found)
             for target in found:
                 try:
                     mesh_io.check_writable(target)
@@ -163,6 +164,9 @@ class NeedsBake:
                     self.report({"ERROR"}, translation.said(error.sentence))
                     failures += 1
         return {"CANCELLED"} if failures == len(found) else {"FINISHED"}
+
+    def prepare(self, context: bpy.types.Context, found: list[bpy.types.Object]) -> None:
+        """Looks at all of them before the first one; most need nothing of that."""
 
 
 class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
@@ -180,14 +184,22 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    def names_of(self, mesh: bpy.types.Mesh) -> list[str]:
+        """One descriptor, or all of a mesh."""
+        return (not self.every and shown_names(mesh)) or baked_names(mesh)
+
+    def prepare(self, context: bpy.types.Context, found: list[bpy.types.Object]) -> None:
+        """Keeps the colors of the scene, in the scale that all meshes share if they do."""
+        if not choices.look_fault(context.scene.paradesc_looks):
+            self.look = shared_look(context.scene, [(item, name) for item in found for name in self.names_of(item.data)])
+
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Recolors one descriptor, or all of this mesh."""
-        group = context.scene.paradesc_looks
-        if choices.look_fault(group):
-            raise mesh_io.refuse(choices.look_fault(group))
-        mesh = target.data
-        for name in (not self.every and shown_names(mesh)) or baked_names(mesh):
-            recolor_object(target, name, choices.look_of(group))
+        fault = choices.look_fault(context.scene.paradesc_looks)
+        if fault:
+            raise mesh_io.refuse(fault)
+        for name in self.names_of(target.data):
+            recolor_object(target, name, self.look)
 
 
 def on_look(scene: bpy.types.Scene, setting: str) -> None:
@@ -198,15 +210,21 @@ def on_look(scene: bpy.types.Scene, setting: str) -> None:
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
-    look, found = looks.scene_look(scene), [item for item in baked_targets(context) if is_still(item)]
     names_of = baked_names if setting == "same_scale" else shown_names
-    shown = [(item, name) for item in found for name in names_of(item.data)]
-    if scene.paradesc_looks.same_scale:
-        look = color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
+    shown = [(item, name) for item in baked_targets(context) if is_still(item) for name in names_of(item.data)]
+    look = shared_look(scene, shown)
     for item, name in shown:
         if item.data.library is None:
             with suppress(ParadescError):  # what was painted over stays, as a click on Recolor says
                 recolor_object(item, name, look)
+
+
+def shared_look(scene: bpy.types.Scene, shown: list[tuple[bpy.types.Object, str]]) -> color_maps.Look:
+    """The scene's look for these descriptors of objects; where it asks for one scale, with the range of all of them."""
+    look = looks.scene_look(scene)
+    if not scene.paradesc_looks.same_scale:
+        return look
+    return color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
 
 
 def is_still(item: bpy.types.Object) -> bool:
