@@ -131,6 +131,27 @@ def test_a_texture_is_shown_and_hidden_and_nothing_of_the_file_changes(folder): 
     assert image_preview.shown(ball()) == ""
 
 
+def test_a_texture_is_not_shown_on_a_new_object_with_an_old_name(folder):  # noqa: F811
+    baked()
+    bpy.ops.paradesc.show_image()
+    old, mesh = ball(), ball().data
+    image_name = image_preview.shown(old)
+    bpy.data.objects.remove(old)
+    new = add_sphere("ball")  # whose mesh cannot have the name of the old one, which is kept until the file is saved
+    assert new.name == "ball"
+    assert image_preview.shown(new) == ""
+    bpy.data.objects.remove(new)
+    back = bpy.data.objects.new("ball", mesh)  # as an undo brings it
+    assert image_preview.shown(back) == image_name
+
+
+def test_a_texture_that_has_become_one_of_tiles_is_not_drawn_as_one_image(folder):  # noqa: F811
+    made = baked()
+    bpy.ops.paradesc.show_image()
+    made.images[0].source = "TILED"
+    assert image_preview.shown(ball()) == ""
+
+
 def test_what_is_drawn_lies_where_the_mesh_as_it_is_shown_has_it(folder):  # noqa: F811
     modifier = ball().modifiers.new("wide", "SUBSURF")
     modifier.levels = 1

@@ -40,10 +40,17 @@ class Shown:
     """One texture on one mesh."""
 
     image: Key
+    mesh: Key  # that the image is of: an object made later may have the name of one that was deleted
     uv_map: str
     nearer: float  # a length in the world by which it is drawn nearer besides
     batch: object = None  # the triangles as the graphics card has them; None: they are to be made; False: none are
     size: float = 0.0  # of the mesh
+
+    def fits(self, target: bpy.types.Object | None, image: bpy.types.Image | None) -> bool:
+        """Whether both are there, the mesh is the same, and the image is not another one of tiles by now."""
+        if target is None or image is None or target.type != "MESH":
+            return False
+        return key_of(target.data) == self.mesh and can_show(image)
 
 
 _shown: dict[Key, Shown] = {}
@@ -62,7 +69,7 @@ def can_show(image: bpy.types.Image) -> bool:
 
 def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: float = 0.0) -> None:
     """Shows an image over a UV map of the object from now on, in place of another one."""
-    _shown[key_of(target)] = Shown(key_of(image), uv_map, nearer)
+    _shown[key_of(target)] = Shown(key_of(image), key_of(target.data), uv_map, nearer)
     if "handle" not in _kept and not bpy.app.background:
         _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
         for calls, function in handlers():
@@ -80,7 +87,7 @@ def reveal(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer
 def shown(target: bpy.types.Object) -> str:
     """The name of the image that is shown on an object, or ""."""
     found = _shown.get(key_of(target))
-    return found.image[0] if found is not None and bpy.data.images.get(found.image) is not None else ""
+    return found.image[0] if found is not None and found.fits(target, bpy.data.images.get(found.image)) else ""
 
 
 def hide(target: bpy.types.Object | None = None) -> None:
@@ -135,7 +142,7 @@ def draw() -> None:
         return
     for key, own in _shown.items():
         target, image = bpy.data.objects.get(key), bpy.data.images.get(own.image)
-        if target is None or image is None or target.type != "MESH":
+        if not own.fits(target, image):
             continue  # until a redo brings them back
         if target.mode == "OBJECT" and target.visible_get(viewport=space) and own.batch is not False:
             try:
