@@ -112,12 +112,15 @@ def main(words: list[str]) -> int:
             left_out.append(asset.missing)
             continue
         start = time.monotonic()
-        rows += measured(asset, asked.both, not asked.no_peers, asked.pictures)
+        found = measured(asset, asked.both, not asked.no_peers, asked.pictures)
+        rows += found
+        sys.stdout.write("".join(map(page.line, found)))
+        sys.stdout.flush()
         sys.stderr.write(f"{asset.name}: {time.monotonic() - start:.1f} s\n")
     if asked.pictures:
         own = [row.asset for row in rows if row.seen and not ASSETS[row.asset].file]  # no picture of what others have made
         sheets.contact((HERE if asked.page else asked.pictures) / "contact.jpg", [asked.pictures / f"{name}.png" for name in own])
-    sys.stdout.write("".join(["\n", *map(page.line, rows), page.summary(rows, left_out)]))
+    sys.stdout.write("\n" + page.summary(rows, left_out))
     if asked.page:
         (HERE / "REPORT.md").write_text(page.page(rows, left_out))
     return int(any(row.faults for row in rows if row.seen))
