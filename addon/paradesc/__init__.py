@@ -47,8 +47,8 @@ __version__ = ".".join(map(str, bl_info["version"]))
 for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
     del sys.modules[_name]
 
-# These stand in the order in which they refer to each other. Each has classes, and register() and unregister() if it
-# needs more.
+# The modules are listed in the order in which they depend on each other. Each has a tuple of classes, and register()
+# and unregister() if it needs more.
 MODULES = (
     "settings.translation",
     "settings.asset_library",
@@ -93,7 +93,7 @@ MODULES = (
 
 
 def __getattr__(name: str) -> object:
-    """What the Python package offers; never kept here, as this file may be read again."""
+    """Imports the public names of api.py on first use. They are not cached here, as Blender may run this file again."""
     if name in __all__:
         return getattr(import_module(".api", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -131,7 +131,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes back what register() did, in reverse order; does nothing if that was done already."""
+    """Undoes register(), in reverse order; does nothing if it was undone already."""
     import bpy
 
     from .ui import failure
@@ -146,7 +146,7 @@ def unregister() -> None:
 
 
 def end(classes: list[type]) -> None:
-    """Unregisters all: Blender's Python module crashes at its end if classes or properties with callbacks remain."""
+    """Unregisters everything: bpy would crash at exit if classes or properties with callbacks remained registered."""
     from .settings.leaving import clear
 
     unregister()

@@ -16,15 +16,15 @@ class Made:
 
     arrays: MeshArrays
     keeps_own: bool  # every original vertex is among the arrays'
-    earlier: dict[str, np.ndarray]  # what was carried to its vertices, by attribute
+    earlier: dict[str, np.ndarray]  # values of earlier bakes that were carried to its vertices, by attribute
     rendering: bool
 
 
 def paint(painter: painting.Painter, target: bpy.types.Object, values: painting.Values, made: Made) -> None:
-    """Fills the carrier with the values of the mesh that modifiers made, as the painter painted the object's own mesh.
+    """Writes the values to the carrier's mesh, as the painter wrote those of the object's own mesh.
 
-    A render makes no carrier, and finds one of other vertices where it has another level of subdivision: there Blender
-    mixes the values of the object's own vertices.
+    A render never makes a carrier. If it finds one that does not fit, because the render has another subdivision level,
+    Blender interpolates the values of the object's own vertices there.
     """
     names, measured = values.names(painter.at), delivery.measured(made.arrays, not made.keeps_own)
     mesh = carrying.carrier_of(target)
@@ -47,17 +47,17 @@ def paint(painter: painting.Painter, target: bpy.types.Object, values: painting.
 
 
 def counts(measured: carrying.Measured) -> tuple[int, int]:
-    """The numbers by which vertices are known again."""
+    """The vertex and corner counts that tell whether a carrier fits a mesh."""
     return measured.points, measured.corners
 
 
 def counts_of(target: bpy.types.Object) -> tuple[int, int]:
-    """Those of the carrier that the object has."""
+    """The vertex and corner counts of the mesh for which the object's carrier was made."""
     return counts(carrying.measured_of(carrying.modifier_of(target).node_group))
 
 
 def leave(target: bpy.types.Object) -> None:
-    """Keeps fingerprints of carried values that change no more."""
+    """Keeps fingerprints of carried values that no longer change."""
     mesh = carrying.carrier_of(target) if target.type == "MESH" else None
     if mesh is not None:
         known = ownership.fingerprints(mesh)

@@ -31,10 +31,10 @@ class ObjectFrames(Piece):
 
 
 class FrameBatch(Pieces):
-    """Does Bake Frames step by step, all on the main thread except the computation. Live values wait meanwhile."""
+    """Runs Bake Frames step by step. Only the computation leaves the main thread. Live values wait meanwhile."""
 
     def __init__(self, context: bpy.types.Context, wanted: range, root: Path, beside: bool) -> None:
-        """Takes the settings and the chosen objects; beside: a window has to go on while this computes."""
+        """Takes the settings and the chosen objects. beside: whether a window has to stay responsive meanwhile."""
         scene = context.scene
         group = scene.paradesc_animation
         self.wanted, self.beside = wanted, beside
@@ -43,10 +43,10 @@ class FrameBatch(Pieces):
         self.options = (group.relative_to_rest, group.overwrite)
         self.material_maps = scene.paradesc.material_maps
         super().__init__(pieces_of(targets.chosen(context), root))
-        self.next = 0  # which of the wanted frames
+        self.next = 0  # index of the next one of the wanted frames
         self.baker: frames.FrameBaker | None = None
         self.scene_name, self.former = scene.name, (scene.frame_current, scene.frame_subframe)
-        self._open = ExitStack()  # of the piece under way
+        self._open = ExitStack()  # closed when the piece under way is left
         self._held = pausing.hold()
 
     @property
@@ -65,7 +65,7 @@ class FrameBatch(Pieces):
 
     @property
     def stage(self) -> str:
-        """What is being done, for people."""
+        """Words for the step under way, shown as progress."""
         piece = self.pieces[min(self.current, len(self.pieces) - 1)]
         frame = self.wanted[max(0, self.next - 1)]
         stage = stage_words(self.worker.stage if self.worker else "read")
@@ -84,7 +84,7 @@ class FrameBatch(Pieces):
             self.attempt(piece, self.advance)
 
     def attempt(self, piece: ObjectFrames, action: Callable[[ObjectFrames], None]) -> None:
-        """Does one step for an object; if it goes wrong, that is the failure of this object, and the others go on."""
+        """Runs one step for an object. An error becomes the failure of this object, and the others go on."""
         try:
             action(piece)
         except ReferenceError:
@@ -146,7 +146,7 @@ class FrameBatch(Pieces):
             scene.frame_set(frame, subframe=part)
 
     def hold_ranges(self) -> None:
-        """Has the scene's colors of live and played objects span all these frames of all objects."""
+        """Stores color ranges that span all baked frames of all objects, for live and played objects of the scene."""
         scene = bpy.data.scenes.get(self.scene_name)
         places = [(piece.folder, piece.cache_key) for piece in self.pieces if piece.cache_key and not piece.failure]
         if scene is None or not places:
@@ -159,7 +159,7 @@ class FrameBatch(Pieces):
 
     @property
     def made(self) -> int:
-        """How many frames had to be computed."""
+        """The number of frames that had to be computed."""
         return sum(piece.made for piece in self.pieces)
 
 

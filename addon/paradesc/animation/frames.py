@@ -25,9 +25,10 @@ OWN_VERTICES = (
 
 
 def source_of(target: bpy.types.Object, source: str) -> str:
-    """The source of the object's frames, which the scene or an option names.
+    """The source of the object's frames, as the scene or an option names it.
 
-    What is shown is what the modifiers make, where frames of that can be played on the object.
+    The automatic source is the evaluated mesh if it keeps the object's own vertices, so that its frames can be played
+    on the object, and the deformed mesh otherwise.
     """
     if source != source_kinds.AUTOMATIC:
         return source
@@ -36,7 +37,7 @@ def source_of(target: bpy.types.Object, source: str) -> str:
 
 
 class FrameBaker(Baker):
-    """Bakes frames of one object; what counts for all frames is the object's own mesh, the rest pose."""
+    """Bakes frames of one object. Its own mesh is the rest pose, from which all frames take radii and rest values."""
 
     def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
         source_meshes.check_source(request.source)
@@ -96,11 +97,11 @@ class FrameBaker(Baker):
             yield
 
     def hiding(self) -> AbstractContextManager[list[str]]:
-        """Hides the modifiers that are not measured; gives their names."""
+        """Hides the modifiers that are not measured; yields their names."""
         return source_meshes.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
 
     def take(self, reading: source_meshes.Reading) -> None:
-        """Keeps a frame's reading, which saves work at the next frame, and its notes."""
+        """Keeps a frame's reading and its notes. The next frame is read faster with it."""
         if reading.arrays.corner_vertices is not self.base.corner_vertices:
             if self.request.relative:
                 raise refuse(

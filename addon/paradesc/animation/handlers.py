@@ -61,7 +61,7 @@ def mode_changed(target: bpy.types.Object) -> None:
 
 
 def shared_sentence(other: bpy.types.Object) -> str:
-    """Why an object has no live values of its own."""
+    """One sentence about why an object has no live values of its own."""
     return f'It shares its mesh with "{other.name}", which has live values: make it a single user.'
 
 
@@ -117,7 +117,7 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
 
 
 def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Those of the objects whose shape the depsgraph evaluated again. Strokes of sculpt mode are drawn without that."""
+    """The objects whose geometry the depsgraph has evaluated again. Sculpt strokes only tag the object as updated."""
     touched = {update.id.original for update in depsgraph.updates}
     changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
     for target in targets:
@@ -128,7 +128,7 @@ def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgra
 def settings_changed(
     targets: list[bpy.types.Object], scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
 ) -> bool:
-    """Whether somebody has chosen other settings than those that the values on the objects have."""
+    """Whether the scene's settings differ from those with which the values on the objects were computed."""
     if not any(update.id.original == scene for update in depsgraph.updates):
         return False
     sessions = filter(None, map(session_at, targets))
@@ -136,7 +136,7 @@ def settings_changed(
 
 
 def delay_of(targets: list[bpy.types.Object]) -> float:
-    """Seconds that values wait for another edit."""
+    """Seconds to wait for another edit before values are updated."""
     return STROKE_DELAY if any(target.mode == "SCULPT" for target in targets) else EDIT_DELAY
 
 
@@ -190,7 +190,7 @@ def on_load_start(*_ignored: object) -> None:
 @persistent
 def on_save(*_ignored: object) -> None:
     """Makes sure that the file is saved with the values of its frame."""
-    for _ in range(3):  # what is computed, what waits, and that nothing is left
+    for _ in range(3):  # for the request under way, for the one that waits, and to see that none is left
         if not any(session.busy for session in STATE.sessions.values()):
             break
         collect(wait=True)

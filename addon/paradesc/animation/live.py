@@ -25,18 +25,18 @@ from . import carried, painting, surfaces
 
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
-# Somebody sculpts on meshes of so many triangles with a radius of many edges, and has to wait for fitted normals.
+# On a mesh of so many triangles a radius spans many edges, and fitted normals would make sculpting wait.
 FINE = 100_000
-# The member of the mesh's record that keeps the radii of a mesh that modifiers make, and what they follow from, because
-# machines of a farm begin at other frames than the window did.
+# The member of the mesh's record that keeps the radii of a generated mesh and the settings they follow from. Machines
+# of a farm start at other frames than the window did, and must use the same radii.
 RADII = "live_radii"
 
 
 @dataclass(frozen=True, eq=False)
 class LiveRequest:
-    """What one computation needs."""
+    """The input of one live computation."""
 
-    arrays: MeshArrays  # of the undeformed mesh, or as modifiers made it at first
+    arrays: MeshArrays  # of the undeformed mesh, or of the mesh that modifiers made at first
     vertices: np.ndarray | None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
     kept: dict[str, object]  # what RADII keeps; {}: radii follow from the arrays
     positions: np.ndarray  # (vertex_count, 3) float32
@@ -56,7 +56,7 @@ class LiveRequest:
 
 
 class Session:
-    """What one live object keeps from frame to frame. It holds arrays only: Blender's own data moves with undo."""
+    """The state of one live object between frames. It holds only arrays, since undo may move Blender's own data."""
 
     def __init__(self) -> None:
         self.stream: Stream | None = None  # while a thread computes, this and prepared belong to it
@@ -128,7 +128,7 @@ class Session:
         return self.show(target, scene, depsgraph, fresh)
 
     def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
-        """Writes to the mesh what has been computed meanwhile; False if nothing had to change."""
+        """Writes the values that have been computed meanwhile to the mesh; False if nothing had to change."""
         taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
         if not taken:
             return False
@@ -140,7 +140,7 @@ class Session:
 
     # The type is in quotes because typing remembers it, and would keep bpy alive past Python's end, which crashes.
     def take(self, outcome: "Outcome[LiveRequest, Results] | None") -> bool:
-        """Keeps the results of a request; False if there are none, or if the mesh has become another one."""
+        """Keeps the results of a request; False if there are none, or if the mesh has been read again since."""
         if outcome is None or outcome.request.arrays is not self.arrays:
             return False
         if outcome.error is not None:
@@ -151,7 +151,7 @@ class Session:
         return True
 
     def has_settings(self, scene: bpy.types.Scene) -> bool:
-        """Whether the newest values, or those that are computed, are by the scene's present settings."""
+        """Whether the newest request, or the newest values, have the scene's present settings."""
         asked = self.latest.newest or self.done
         try:
             return asked is None or asked.chosen == chosen(scene, rendering=False)
@@ -200,7 +200,7 @@ class Session:
     def request(
         self, target: bpy.types.Object, evaluated: bpy.types.Object, scene: bpy.types.Scene, rendering: bool
     ) -> LiveRequest:
-        """What has to be computed of the object now."""
+        """The input for computing the object's values in its present shape."""
         settings = settings_for(scene, rendering)
         with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
             positions, normals = surface.positions, surface.normals(settings)
@@ -217,7 +217,7 @@ class Session:
     def follow_mesh(
         self, target: bpy.types.Object, surface: surfaces.Surface, settings: Settings
     ) -> MeshArrays | None:
-        """Reads the mesh again if anything but positions may have changed: after edits, otherwise by counts alone."""
+        """Reads the mesh if more than positions may have changed, else None. Without edits only counts are compared."""
         topology = surfaces.topology_of(target, surface, settings, measures_maps(target))
         known = self.arrays is not None and topology == self.topology and surface.has_corners_of(self.arrays)
         settled = not self.edited or target.mode == "SCULPT"
@@ -237,7 +237,7 @@ class Session:
         return arrays
 
     def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
-        """Begins again with this mesh, whose radius does not change with the pose; rendering: None where it is own."""
+        """Starts again with this mesh, at radii that no pose changes. rendering: None for the object's own mesh."""
         rest, self.kept = mesh_io.read_positions(target.data), {}
         if rendering is None:
             self.vertices, self.keeps_own = None, True
@@ -275,7 +275,7 @@ class Session:
         return results
 
     def with_radii(self, request: LiveRequest) -> Settings:
-        """The settings with radii that no pose changes: those that are kept, else those of a bake of the arrays."""
+        """The settings with radii that do not depend on the pose: the kept ones, else those of a bake."""
         asked, options = request.settings, request.settings.options
         words = repr((asked.radius_fit, options.radius_unit, options.radius, asked.more_radii, asked.descriptors))
         radii = request.kept.get("radii") if request.kept.get("asked") == words else None
@@ -307,11 +307,11 @@ class Session:
         return color_maps.value_range(results.values[computed], row, radius, look, areas)
 
     def asked_names(self) -> list[str]:
-        """The name of each value, after the radius that was asked for."""
+        """The name of each value, with the radius that was asked for."""
         return self.done.settings.value_names()
 
     def computed_names(self) -> dict[str, str]:
-        """For each such name, the name after the radius that was computed with."""
+        """The name of each value with the radius that was used, by its name with the radius that was asked for."""
         return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
 
     def own(self) -> Results:
@@ -320,7 +320,7 @@ class Session:
         return delivery.on_original(self.results, reading)
 
     def values(self, results: Results, extras: list[str]) -> painting.Values:
-        """These results in the form in which they are written, with some of what is written beside them."""
+        """The results as painting writes them, with the extras of these names."""
         names = self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
@@ -353,12 +353,12 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
 
 
 def follows_mesh(settings: Settings) -> bool:
-    """Whether the radius follows from the mesh; with others beside it the names of values say which it is."""
+    """Whether a single radius follows from the mesh. With several, the names of the values contain the radii."""
     return settings.radius_fit in advice.SIZES and not settings.more_radii
 
 
 def chosen(scene: bpy.types.Scene, rendering: bool) -> tuple[object, ...]:
-    """All that a scene says of what is computed."""
+    """All settings of a scene that change the computed values."""
     return (settings_for(scene, rendering), surfaces.source_of(scene))
 
 
@@ -376,7 +376,7 @@ def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
 
 
 def device_of(settings: Settings) -> tuple[str, int, int]:
-    """The settings that a native mesh cannot change: its device."""
+    """The settings of the device, which cannot be changed on an existing native mesh."""
     return (settings.backend, settings.device_index, settings.memory_limit)
 
 

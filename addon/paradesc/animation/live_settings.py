@@ -29,7 +29,7 @@ def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context
 
 
 def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Does the same after somebody has set a range, which then stays."""
+    """Marks a range as typed by the user, so that it stays, and brings live objects up to date."""
     if not sessions.is_ours():
         group.typed = True
         settings_changed(group, context)
@@ -143,6 +143,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Removes the settings."""
     del bpy.types.Object.paradesc_live
     del bpy.types.Scene.paradesc_live

@@ -33,7 +33,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         return f"Leave {min(modes).replace('_', ' ').lower()} mode first" if modes else ""
 
     def begin(self, context: bpy.types.Context, beside: bool) -> FrameBatch:
-        """Takes the frames and the folder as well."""
+        """Makes the batch for the scene's wanted frames and cache folder."""
         return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
 
     def finish(self, _context: bpy.types.Context) -> set[str]:
@@ -77,14 +77,14 @@ class PARADESC_OT_live_range(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Says why it cannot run where it cannot."""
+        """Whether the operator can run; the button's tooltip says why not."""
         sentence = "" if sessions.live_objects() else "Switch an object to Live first"
         if sentence:
             cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Takes the ranges anew from what is there."""
+        """Replaces the stored ranges by those of the present values."""
         sessions.take_ranges(context.scene)
         return {"FINISHED"}
 

@@ -17,7 +17,7 @@ TABLE_STEPS = 4096
 
 @dataclass
 class Values:
-    """What one frame writes to a mesh."""
+    """The values that one frame writes to a mesh, with the facts that the mesh's record keeps."""
 
     shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
     extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
@@ -25,13 +25,13 @@ class Values:
     drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what record.drawing_of() has
 
     def names(self, at: dict[str, str]) -> list[str]:
-        """The names of all attributes, of which each value has the one that it is given here."""
+        """The names of all attributes to write. at: the attribute name of each value."""
         return mesh_io.attribute_names(self.shown, self.extras, at)
 
 
 @dataclass
 class Painter:
-    """Remembers what it wrote last, to write nothing twice. It holds arrays only: undo moves Blender's own data."""
+    """Remembers the values it wrote last, to write none twice. It holds only arrays: undo may move Blender's data."""
 
     ranges: dict[str, ValueRange] = field(default_factory=dict)
     tables: dict[str, np.ndarray] = field(default_factory=dict)
@@ -40,7 +40,7 @@ class Painter:
     carried: bool = False  # the values of other vertices are shown, and those of the mesh lie below them
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
-        """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
+        """Fills the attributes, and adds missing ones; False if they hold these values already."""
         complete = self.is_complete(mesh, values)
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
@@ -65,7 +65,7 @@ class Painter:
         return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
 
     def reveal(self, mesh: bpy.types.Mesh, values: Values) -> None:
-        """Makes colors that were written the active ones, unless others of them are: those that tell most."""
+        """Makes the most telling of the written colors active, unless one of the written colors is active already."""
         active = mesh.color_attributes.active_color
         colors = {f"{self.at[name]}_color" for name in self.ranges}
         if colors and (active is None or active.name not in colors):
@@ -78,7 +78,7 @@ class Painter:
         return has_all(mesh, self.written)
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
-        """Whether the attributes are as they were written: neither undone nor changed by anything else."""
+        """Whether the attributes still hold what was written, without an undo or another change since."""
         for name, values in self.written.items():
             attribute = mesh.attributes.get(name)
             if attribute is None or arrays.kind_of(attribute) != mesh_io.wanted_kind(name):
@@ -108,12 +108,12 @@ def paint(
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
-    """Whether the mesh has attributes of all these names."""
+    """Whether the mesh has attributes with all these names."""
     return all(mesh.attributes.get(name) is not None for name in names)
 
 
 def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], at: dict[str, str]) -> None:
-    """Says on the mesh what is written there, so that the attributes are known as ours."""
+    """Records on the mesh what was written, so that the attributes are recognized as the add-on's own."""
     drawn = {at[name]: values.drawn(name, shown) for name, shown in ranges.items()}
     spans = {at[name]: shown for name, shown in ranges.items()}
     record.write(mesh, values.facts, spans, drawn, values.names(at))
@@ -122,7 +122,7 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
 
 
 def leave(target: bpy.types.Object) -> None:
-    """Keeps fingerprints of values that change no more."""
+    """Keeps fingerprints of values that no longer change."""
     mesh = target.data
     if target.type == "MESH" and mesh.library is None and not mesh.is_editmode:
         known = ownership.fingerprints(mesh)
@@ -151,7 +151,7 @@ def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
 
 
 def copied_with_mesh(target: bpy.types.Object) -> list[bpy.types.ID]:
-    """The object's mesh, and what Blender copies from the originals with it: shape keys and all its objects."""
+    """The datablocks that Blender copies together with a mesh: itself, its shape keys and all objects that use it."""
     mesh = target.data
     objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
     return [mesh, *([] if mesh.shape_keys is None else [mesh.shape_keys]), *objects]
@@ -184,7 +184,7 @@ def locked_ranges(
 
 
 def follow_bake(group: bpy.types.PropertyGroup, look: Look, mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
-    """Takes the ranges of a bake that wrote these values since they were live, unless somebody has typed others."""
+    """Takes over the ranges of a bake that wrote these values since they were live, except ranges that were typed."""
     baked = ownership.fingerprints(mesh) if ownership.PROPERTY in mesh and not look.ranges else {}
     at = {name: record.attribute_of(mesh, name) for name in names} if baked else {}
     if not baked.keys() & at.values():
@@ -203,12 +203,12 @@ def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
 
 
 def keeps_ranges(group: bpy.types.PropertyGroup, look: Look) -> bool:
-    """Whether the stored ranges stay with this look: only the color map differs, or the look fixes its own ranges."""
+    """Whether the stored ranges suit this look: only the color map differs, or the look fixes its own ranges."""
     return bool(look.ranges) or group.ranges_look in ("", look_key(look))
 
 
 def look_key(look: Look) -> str:
-    """The parts of a look that ranges follow from."""
+    """A key of the parts of a look that ranges depend on."""
     return repr((look.percentile, look.symmetric, look.neutral))
 
 
@@ -225,7 +225,7 @@ def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, Val
 
 
 def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueRange]]) -> None:
-    """Replaces the stored ranges by ones that contain those of all objects."""
+    """Replaces the stored ranges by ones that span the found ranges of all objects."""
     spans: dict[str, list[ValueRange]] = {}
     for ranges in found:
         for name, shown in ranges.items():
@@ -236,7 +236,7 @@ def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueR
 
 
 def add_range(group: bpy.types.PropertyGroup, name: str, minimum: float, maximum: float) -> bpy.types.PropertyGroup:
-    """Adds a range to those stored."""
+    """Adds a range to the stored ones."""
     item = group.ranges.add()
     item.name, item.minimum, item.maximum = name, minimum, maximum
     return item

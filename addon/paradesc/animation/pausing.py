@@ -16,14 +16,14 @@ BUTTONS = {"LEFTMOUSE", "RIGHTMOUSE"}
 
 
 def hold() -> object:
-    """Makes live values wait until release() gets what this returns."""
+    """Makes live values wait until release() is called with the returned token."""
     held = object()
     _holds.append(held)
     return held
 
 
 def release(held: object) -> None:
-    """Lets live values go on, unless somebody else holds them."""
+    """Lets live values go on, unless another hold is open."""
     if held in _holds:
         _holds.remove(held)
 
@@ -47,7 +47,7 @@ def held() -> Iterator[None]:
 
 
 def is_busy() -> bool:
-    """Whether somebody is in the middle of a stroke, or drags something."""
+    """Whether a stroke or a drag is under way in any window."""
     windows = bpy.context.window_manager.windows
     if "modal_operators" in bpy.types.Window.bl_rna.properties:
         return any(item.bl_idname.startswith(DRAGGING) for window in windows for item in window.modal_operators)

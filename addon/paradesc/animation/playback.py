@@ -24,7 +24,7 @@ EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
 
 
 class Player:
-    """What one object keeps while its frames are played."""
+    """The playback state of one object, kept from frame to frame."""
 
     busy = False  # nothing is computed beside the window
 
@@ -33,7 +33,7 @@ class Player:
         self.frame: cache.Frame | None = None
         self.shown: tuple[Path, int] | None = None  # the file, and when it was written
         self.whole: dict[str, ValueRange] = {}  # over all frames
-        self.ranged: tuple[Path, Look] | None = None  # what whole follows from, whatever the color map
+        self.ranged: tuple[Path, Look] | None = None  # the folder and look that whole follows from
         self.seconds: dict[str, float] = {}
         self.scene_name = ""  # whose frame is shown
         self.note = ""  # for the panel
@@ -49,8 +49,8 @@ class Player:
     def refresh(
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
-        """Writes the values of the scene's frame to the object's mesh, at once; False if nothing had to change."""
-        if surfaces.evaluated_object(target, depsgraph) is None:  # as in another scene, whose frame is not ours
+        """Writes the values of the scene's frame to the object's mesh at once; False if nothing had to change."""
+        if surfaces.evaluated_object(target, depsgraph) is None:  # for example in another scene
             return False
         self.scene_name = scene.name
         start = time.perf_counter()
@@ -73,7 +73,7 @@ class Player:
         return changed
 
     def find(self, folder: Path, wanted: int) -> Path | None:
-        """The file of the frame, or of the nearest one (the earlier of two), and says which frame it is."""
+        """The file of the wanted frame, or of the nearest one (the earlier of two). The panel's note then says so."""
         found = cache.frame_path(folder, wanted)
         self.note = ""
         if found.is_file():
@@ -126,7 +126,7 @@ class Player:
             self.session.reveal(target)
 
     def forget_ranges(self) -> None:
-        """Makes the ranges over all frames be read again."""
+        """Makes the next use read the ranges over all frames again."""
         self.ranged = None
 
     def found_ranges(self, look: Look) -> dict[str, ValueRange]:
@@ -153,7 +153,7 @@ class Player:
         return painting.Values(shown, extras, {}, self.drawing)
 
     def drawing(self, name: str, shown: ValueRange) -> dict[str, object]:
-        """What a legend needs to know, as far as the frame's file has it."""
+        """The facts about the colors of a value that a legend needs; the radius only if the frame's file has it."""
         info = self.frame.info
         settings, radii = info.get("settings"), info.get("radius")
         on = settings.get("map_descriptor", "") if isinstance(settings, dict) else ""

@@ -43,7 +43,7 @@ STATE = State()
 
 
 def forget_all() -> None:
-    """Frees every session, and the devices that nobody uses."""
+    """Frees every session, and the devices that are no longer used."""
     for session in STATE.sessions.values():
         session.close()
     STATE.sessions.clear()
@@ -74,7 +74,7 @@ def live_objects() -> list[bpy.types.Object]:
 
 
 def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
-    """Another live object with the same mesh, whose values the mesh holds instead of this one's."""
+    """Another live object with the same mesh. The mesh can hold the values of only one of them."""
     return next((item for item in live_objects() if item.data == target.data and item != target), None)
 
 
@@ -92,7 +92,7 @@ def is_live(target: bpy.types.Object) -> bool:
 
 @contextmanager
 def our_turn(wait: bool) -> Iterator[bool]:
-    """Gives True to one thread at a time, and False to the events that its own writing causes."""
+    """Yields True to one thread at a time, and False to events that are caused by this thread's own writing."""
     if is_ours() or not STATE.turn.acquire(blocking=wait):
         yield False
         return
@@ -114,7 +114,7 @@ def refresh(
 ) -> None:
     """Brings the values of these objects up to date. Renders wait for their turn, other events give up.
 
-    watched: somebody looks at a window, and may see values a moment later unless the scene waits for them.
+    watched: a window shows the objects, so their values may follow a moment later unless the scene waits for them.
     """
     wait = not watched or waits(scene, depsgraph)
     with our_turn(wait=depsgraph.mode == "RENDER") as ours:
@@ -125,25 +125,25 @@ def refresh(
 
 
 def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether values have to be there at once: always, unless a person at a window asks."""
+    """Whether the event has to wait for values: in background mode, in renders, or if the scene says so."""
     return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
 
 
 def is_watched() -> bool:
-    """Whether frames change because somebody plays the animation or drags the current frame, and nothing is written."""
+    """Whether an animation is playing or the current frame is being dragged."""
     screens = [window.screen for window in bpy.context.window_manager.windows]
     return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
 
 
 def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
-    """Refreshes one object. An error switches it off, and is reported in the panel and in the log of a farm."""
+    """Refreshes one object. An error ends its live values, and is reported in the panel and in a farm's log."""
     with switching_off(target):
         session_of(target).refresh(target, depsgraph, scene, wait)
 
 
 @contextmanager
 def switching_off(target: bpy.types.Object) -> Iterator[None]:
-    """Ends an object's live values if something goes wrong inside; an object that is gone is forgotten."""
+    """Ends an object's live values if the body raises an error; an object that was deleted is forgotten."""
     try:
         yield
     except ParadescError as error:
@@ -217,7 +217,7 @@ def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> No
 
 
 def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
-    """The shown scene whose values the object has. A mesh holds those of one scene: where a frame changed last."""
+    """The shown scene whose values the mesh has, which is the one whose frame changed last; a mesh holds one set."""
     session = session_at(target)
     known = "" if session is None else session.scene_name
     there = [place for place in shown if surfaces.evaluated_object(target, place[1].depsgraph) is not None]
@@ -236,7 +236,7 @@ def take_ranges(scene: bpy.types.Scene) -> None:
 
 
 def forget_ranges() -> None:
-    """Makes the ranges of caches be read again."""
+    """Makes the ranges of caches be read again when they are needed next."""
     for session in STATE.sessions.values():
         session.forget_ranges()
 

@@ -23,15 +23,15 @@ APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """The surface that is measured now. The mesh exists only as long as shown() is open."""
+    """The surface to measure. Its mesh exists only while shown() is open."""
 
-    mesh: bpy.types.Mesh  # whose faces are measured
-    generated: bool  # they are not those of the object's own mesh
+    mesh: bpy.types.Mesh  # the mesh whose faces are measured
+    generated: bool  # whether its faces may differ from those of the object's own mesh
     positions: np.ndarray  # (vertex_count, 3) float32
-    posed: bpy.types.Mesh  # the same at these positions, whose normals are asked for
+    posed: bpy.types.Mesh  # the same mesh at these positions, whose normals are used where the settings ask for them
 
     def read(self, target: bpy.types.Object, settings: Settings) -> MeshArrays:
-        """Its arrays: those of the object's own mesh are at rest."""
+        """The surface as arrays. The object's own mesh is read at rest."""
         wanted = (settings.options.normals == "mesh", needs_uvs(settings))
         if self.generated:
             return mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
@@ -42,7 +42,7 @@ class Surface:
         return mesh_io.read_corner_normals(self.posed) if settings.options.normals == "mesh" else None
 
     def has_corners_of(self, known: MeshArrays) -> bool:
-        """Whether modifiers have made the same faces as before; what edits do to other meshes is compared at rest."""
+        """Whether modifiers have made the same faces as before. Edits of other meshes are compared at rest."""
         return not self.generated or np.array_equal(arrays.read_corner_vertices(self.mesh), known.corner_vertices)
 
 
@@ -97,9 +97,9 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 
 
 def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tuple[np.ndarray, bool]:
-    """(original_count,) int64 vertex of the arrays that modifiers made, for each original one; whether all are there.
+    """(original_count,) int64 vertex of the arrays that modifiers made for each original vertex; whether all are there.
 
-    Those that other modifiers keep are found again by a bake's way, which a render cannot go. Else it is the nearest.
+    Vertices that modifiers keep are found by marks, as in a bake; a render cannot do so. Otherwise the nearest counts.
     """
     count, found = len(target.data.vertices), len(made.positions)
     if appends(target, count, found, rendering):
@@ -116,14 +116,14 @@ def lost(target: bpy.types.Object) -> Exception:
 
 
 def appends(target: bpy.types.Object, count: int, found: int, rendering: bool) -> bool:
-    """Whether the modifiers in use only append to the original vertices."""
+    """Whether the modifiers in use keep all original vertices and only append others."""
     if cuts(target, rendering):
         return False
     return found >= count and all(item.type in APPENDING for item in changing(target, rendering))
 
 
 def cuts(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether a mirror cuts vertices away; it may well make as many."""
+    """Whether a Mirror modifier with Bisect cuts vertices away. Their count may stay the same all the same."""
     return any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in changing(target, rendering))
 
 
@@ -136,7 +136,7 @@ def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bo
 
 
 def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether the modifiers in use may make other faces than those of the object's own mesh."""
+    """Whether the modifiers in use may change the faces of the object's own mesh."""
     return bool(changing(target, rendering))
 
 
@@ -147,7 +147,7 @@ def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifi
 
 
 def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
-    """The modifiers that count, among which those are not that carry values."""
+    """The modifiers that are enabled, without the one that carries values."""
     shown = "show_render" if rendering else "show_viewport"
     return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
 

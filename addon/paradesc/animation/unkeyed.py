@@ -48,7 +48,7 @@ def restore_values(datablock: bpy.types.ID, values: list[Value]) -> None:
 
 
 def forget() -> None:
-    """Lets Blender's values be: another frame, an undone step, another file."""
+    """Drops the remembered values, because the frame changed, a step was undone, or another file was opened."""
     _kept.clear()
 
 
