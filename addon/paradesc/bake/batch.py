@@ -19,7 +19,7 @@ IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
 @dataclass
 class MeshBake(Piece):
-    """One mesh of a bake: which object stands for it, and what came of it."""
+    """One mesh of a bake: the object that stands for it, and the results."""
 
     sharing: list[ObjectKey]  # all chosen objects with this mesh
     files: bake_files.Files | None = None
@@ -35,7 +35,7 @@ class MeshBake(Piece):
 
 
 class Batch(OneByOne):
-    """Does the work of the bake operator step by step, all on the main thread except the computation itself."""
+    """Runs the bake operator step by step. Only the computation itself leaves the main thread."""
 
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
@@ -94,7 +94,7 @@ class Batch(OneByOne):
                     self.attempt(piece, self.write)
 
     def write(self, piece: MeshBake) -> None:
-        """Puts one mesh's results where they belong, or nothing: files go first."""
+        """Moves one mesh's files to their places, then writes its attributes. If the files fail, nothing is written."""
         target = piece.target()
         try:
             piece.placed = piece.files.commit()
@@ -115,7 +115,7 @@ class Batch(OneByOne):
 
 
 def file_places(group: bpy.types.PropertyGroup, keys: list[ObjectKey]) -> list[tuple[Path | None, Path | None]]:
-    """The image and the folder of buffers of each object; if there are several, each has its own, named after it."""
+    """The paths of each object's image and buffer folder. With several objects, their names are part of the paths."""
     image = whole_path(group.image_path, "image", IMAGE_STEM) if group.write_image else None
     buffers = whole_path(group.buffers_path, "folder", BUFFERS_NAME) if group.write_buffers else None
     if image is not None:

@@ -13,7 +13,7 @@ PANEL = ("panel", "As Set", "What the panel has")
 
 
 class RadiusOption:
-    """An operator with a radius of its own, which Blender's redo panel changes and which then is the sidebar's too."""
+    """Adds a radius option to an operator. The redo panel can change it, and the sidebar's radius then follows."""
 
     fit: bpy.props.EnumProperty(
         name="Radius from Mesh",
@@ -37,7 +37,7 @@ class RadiusOption:
     shown_radius: bpy.props.FloatProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     def take_radius(self, group: bpy.types.PropertyGroup) -> None:
-        """Sets the panel's radius to the one that was given: by number, else by size."""
+        """Sets the panel's radius to the operator's: a number if one was given, otherwise a size that fits the mesh."""
         given = self.fit == "typed" or not math.isclose(self.radius, self.shown_radius, rel_tol=1e-6)
         if self.radius > 0 and given:
             group.radius_unit, group.radius_percent = "diagonal", self.radius
@@ -45,7 +45,7 @@ class RadiusOption:
             group.radius_fit = self.fit
 
     def show_radius(self, group: bpy.types.PropertyGroup) -> None:
-        """Shows the panel's radius, which the bake may have fitted."""
+        """Copies the panel's radius, which the bake may have fitted, to the operator."""
         self.fit = group.radius_fit
         if group.radius_unit == "diagonal":
             self.radius = self.shown_radius = group.radius_percent
@@ -64,7 +64,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Needs a mesh."""
+        """Needs a mesh object."""
         there = targets.first(context) is not None
         if not there:
             cls.poll_message_set(translation.tooltip("Select a mesh object first"))

@@ -17,13 +17,13 @@ from ..scene import image_nodes, image_places, image_results, images, mesh_io, p
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
 
-# These words are in the native library's warning about another layout than the UV map.
+# The native library's warning contains these words if it computed on another layout than the UV map.
 LAID_OUT = "laid out afresh"
 
 
 @dataclass
 class TextureBake(Piece):
-    """One mesh whose textures are made, and what came of it."""
+    """One mesh whose textures are baked, and the results."""
 
     highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
@@ -43,7 +43,7 @@ class TextureBake(Piece):
         self.textures = self.computed = None
 
     def result(self, size: int) -> image_results.ImageBake:
-        """The record of it that the mesh keeps, once its images are there."""
+        """The record of the bake that the mesh keeps, made once its images are loaded."""
         found = self.textures.results
         masks = [MASKS.issuperset(textures[0].holds) for textures in self.textures.by_name().values()]
         seen = zip(masks, self.textures.extremes(), strict=True)
@@ -62,12 +62,12 @@ class TextureBake(Piece):
 
 
 class ImageBatch(OneByOne):
-    """Does the work of the operator step by step, all on the main thread except the computation itself."""
+    """Runs the operator step by step. Only the computation itself leaves the main thread."""
 
     def __init__(self, context: bpy.types.Context, onto: bool = False) -> None:
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed.
 
-        onto: the pairs among them, of which one side is measured over the UV map of the other.
+        onto: whether they are pairs, in which detailed meshes are measured over the UV map of a low-poly one.
         """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
@@ -113,7 +113,7 @@ class ImageBatch(OneByOne):
         return time.monotonic() - self.started
 
     def start(self, piece: TextureBake) -> None:
-        """Reads a mesh and starts its worker, or draws what was computed of it."""
+        """Reads a mesh and starts its worker, or starts drawing what was computed of it."""
         if piece.failure:
             return
         if piece.computed is not None:
@@ -141,7 +141,7 @@ class ImageBatch(OneByOne):
         self.worker.start()
 
     def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
-        """Reads the detailed meshes of a piece; what they are measured with is its work."""
+        """Reads the detailed meshes of a piece; returns the work that measures them."""
         highs = []
         for high in map(find, piece.highs):
             read = targets.read(high, self.settings, self.request)
@@ -175,7 +175,7 @@ class ImageBatch(OneByOne):
                 piece.over = None
 
     def take_map_away(self, piece: TextureBake) -> None:
-        """Removes the UV map that was made for a mesh, unless images of another object with it lie over that."""
+        """Removes the UV map that was made for a mesh, unless finished images of another object with it use the map."""
         target, name = piece.target(), piece.over.name
         kept = (other for other in self.pieces if other.images and other.over.name == name)
         if all(other.target().data != target.data for other in kept):

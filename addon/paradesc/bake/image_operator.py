@@ -12,12 +12,12 @@ from .pieces import failures, report_all
 
 
 class ImageJob(MaskOption, RadiusOption, ModalJob):
-    """What the operators have in common: a mask and a radius of their own go first, and they keep the textures."""
+    """Base of the operators that bake textures. Their own mask and radius replace those of the panel."""
 
     onto = False  # the pairs among the selected meshes
 
     def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
-        """Takes settings and selection, with or without a window."""
+        """Applies the operator's mask and radius, and makes the batch; beside: there is a window."""
         self.take_mask(context.scene.paradesc)
         self.take_radius(context.scene.paradesc)
         return ImageBatch(context, self.onto)
@@ -53,7 +53,7 @@ class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading the selected meshes."""
+        """One sentence about why the selected meshes cannot be read, or ""."""
         return targets.reading_obstacle(context)
 
 
@@ -81,20 +81,20 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading the meshes, or of telling which is which."""
+        """One sentence about why the meshes cannot be read or paired, or ""."""
         sentence = targets.reading_obstacle(context)
         if sentence or pairs.chosen(context):
             return sentence
         return "Select the detailed meshes and then the low-poly one, or end their names in _high and _low"
 
     def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
-        """Takes settings and selection; a cage distance that the operator itself is given goes first."""
+        """Takes settings and selection. A cage distance given to the operator replaces the panel's."""
         if self.cage > 0:
             context.scene.paradesc.cage = self.cage
         return super().begin(context, beside)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Does the same, and shows the cage distance that was used."""
+        """Finishes as Bake to Image does, and shows the cage distance that was used as the operator's own."""
         ended = super().finish(context)
         if ended == {"FINISHED"}:
             self.cage = self.job.written[0].textures.results.transfer.cage
@@ -102,7 +102,7 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 
 
 def image_sentence(batch: ImageBatch) -> str:
-    """What was written, where, and how long it took, in one line."""
+    """One line that says which images were written, where, and how long that took."""
     made = [name for piece in batch.written for name in piece.made]
     several = {"count": len(made), "first": made[0], "last": made[-1]}
     what = said("{count} images, {first} to {last}").format(**several) if len(made) > 1 else made[0]

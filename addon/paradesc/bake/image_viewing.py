@@ -10,7 +10,7 @@ from ..settings.translation import said, tooltip
 
 
 class OfImage:
-    """An operator on an image that a bake has made of the active mesh."""
+    """Base of the operators on an image that was baked from the active mesh."""
 
     name: bpy.props.StringProperty(
         name="Image", description="Which of the images; none: the first", default="", options={"SKIP_SAVE"}
@@ -18,14 +18,14 @@ class OfImage:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Needs one."""
+        """Needs a baked image of the active mesh."""
         there = image_results.found(targets.first(context)) is not None
         if not there:
             cls.poll_message_set(tooltip("Bake this mesh to an image first"))
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Finds the image; whoever extends this has run()."""
+        """Finds the image and passes it to run(), which subclasses define."""
         made = image_results.found(targets.first(context))
         image = next((image for image in made.images if image.name == self.name), made.images[0])
         return self.run(context, made, image)
@@ -38,7 +38,7 @@ class PARADESC_OT_show_image(OfImage, bpy.types.Operator):
     bl_label = "Show on Mesh"
 
     def run(self, context: bpy.types.Context, made: ImageBake, image: bpy.types.Image) -> set[str]:
-        """Shows it, or hides it where it is shown."""
+        """Shows the image on the mesh, or hides it if it is shown there."""
         target, shading = targets.first(context), getattr(context.space_data, "shading", None)
         solid = shading is None or shading.type == "SOLID"
         if image_preview.shown(target) == image.name and solid:
@@ -60,7 +60,7 @@ class PARADESC_OT_open_image(OfImage, bpy.types.Operator):
     bl_label = "Open"
 
     def run(self, context: bpy.types.Context, _made: ImageBake, image: bpy.types.Image) -> set[str]:
-        """Finds the editor, or opens a window with one."""
+        """Shows the image in an image editor, in a new window if none is open."""
         windows = context.window_manager.windows
         areas = (area for window in windows for area in window.screen.areas)
         area = next((area for area in areas if area.ui_type == "IMAGE_EDITOR"), None)
@@ -81,7 +81,7 @@ class PARADESC_OT_open_image_folder(OfImage, bpy.types.Operator):
     bl_label = "Folder"
 
     def run(self, _context: bpy.types.Context, _made: ImageBake, image: bpy.types.Image) -> set[str]:
-        """Hands the folder to the system."""
+        """Opens the image's folder in the system's file browser."""
         folder = image_results.folder_of(image)
         if not folder.is_dir():
             self.report({"ERROR"}, said("There is no folder {folder}").format(folder=folder))
@@ -91,7 +91,7 @@ class PARADESC_OT_open_image_folder(OfImage, bpy.types.Operator):
 
 
 def open_folder(folder: Path) -> None:
-    """Has the system show a folder."""
+    """Opens a folder in the system's file browser."""
     bpy.ops.wm.path_open(filepath=str(folder))
 
 
@@ -118,7 +118,7 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def run(self, _context: bpy.types.Context, made: ImageBake, _image: bpy.types.Image) -> set[str]:
-        """Writes all of them as the bake made them; files that are there already stay."""
+        """Writes all images of the bake to the folder; existing files are kept."""
         directory = self.directory or "//"
         if directory.startswith("//") and not bpy.data.filepath:
             self.report({"ERROR"}, said("Save the .blend first, beside which images go, or name a folder"))

@@ -7,7 +7,7 @@ from .fit import PANEL
 
 
 class MaskOption:
-    """An operator that menus ask for one mask, which then is the panel's too."""
+    """Adds a mask option to an operator, so that menus can run it for one mask. The panel's mask then follows."""
 
     mask: bpy.props.EnumProperty(
         name="Mask",
@@ -18,6 +18,6 @@ class MaskOption:
     )
 
     def take_mask(self, group: bpy.types.PropertyGroup) -> None:
-        """Chooses the mask that was given."""
+        """Sets the panel's mask to the operator's."""
         if self.mask != PANEL[0]:
             presets.choose_mask(group, self.mask)

@@ -14,12 +14,12 @@ from ..settings.snapshot import Snapshot
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
 
-# Those that press a button in a sidebar, where Cancel is.
+# Events that can press a button in a sidebar, where Cancel is.
 BUTTON_EVENTS = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"}
 
 
 class Steps(Protocol):
-    """Work in steps on the main thread, each of which may begin a worker or take in what one has ended with."""
+    """Work in steps on the main thread. A step may start a worker, or take in the results of one that has ended."""
 
     worker: Worker | None
     cancelled: bool
@@ -34,10 +34,10 @@ class Steps(Protocol):
 
     @property
     def stage(self) -> str:
-        """What is being done, for people."""
+        """Words for the step under way, shown as progress."""
 
     def step(self, wait: bool = False) -> None:
-        """Takes the next step; wait: waits for the worker under way, at which it otherwise only looks."""
+        """Takes the next step. wait: waits for the worker under way, instead of only checking whether it has ended."""
 
     def cancel(self) -> None:
         """Makes the work end as soon as its worker notices."""
@@ -47,36 +47,36 @@ class Steps(Protocol):
 
 
 class ModalJob:
-    """An operator around such work. The operator itself has obstacle(), begin() and finish()."""
+    """Base of modal operators that run Steps. Subclasses define obstacle(), begin() and finish()."""
 
     # The work under way in the window, for the panel. A modal operator takes all events, so there is at most one.
     running: Steps | None = None
-    # Seconds between two looks at the worker.
+    # Seconds between two checks of the worker.
     timer_step = 0.1
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Why it cannot run right now, as one sentence, or ""."""
+        """One sentence about why the operator cannot run now, or ""."""
         raise NotImplementedError
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Steps:
-        """Takes the settings and the selection, or raises what is wrong with them; beside: there is a window."""
+        """Makes the work from settings and selection; raises what is wrong with them. beside: there is a window."""
         raise NotImplementedError
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the results of self.job and says what was found; after Esc it only says so."""
+        """Writes the results of self.job and reports them; after Esc it only reports that it was cancelled."""
         raise NotImplementedError
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Says why it cannot run where it cannot."""
+        """Whether the operator can run; the button's tooltip says why not."""
         sentence = "A bake is running; Esc cancels it" if ModalJob.running else cls.obstacle(context)
         if sentence:
             cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Takes the same steps in a row, for scripts and background mode, where timers never fire."""
+        """Runs all steps in a row, for scripts and background mode, where timers never fire."""
         if not self.has_begun(context, beside=False):
             return {"CANCELLED"}
         ended = {"CANCELLED"}
@@ -103,7 +103,7 @@ class ModalJob:
         return {"RUNNING_MODAL"}
 
     def has_begun(self, context: bpy.types.Context, beside: bool) -> bool:
-        """Begins the work; reports what stands in the way."""
+        """Begins the work; False, with an error report, if it cannot begin."""
         self.before = Snapshot(context.scene)
         try:
             self.job = self.begin(context, beside)
@@ -114,7 +114,7 @@ class ModalJob:
         return True
 
     def end(self, ended: set[str]) -> None:
-        """Tidies up; work that came to nothing leaves the settings as they were before begin() changed them."""
+        """Ends the work. If it produced nothing, the settings become what they were before begin() changed them."""
         self.job.close()
         if ended != {"FINISHED"}:
             self.before.restore()
@@ -148,7 +148,7 @@ class ModalJob:
         self.clean_up(context)
 
     def show_progress(self, context: bpy.types.Context) -> None:
-        """Shows it at the cursor, in the status bar and in the panel."""
+        """Shows the progress at the cursor, in the status bar and in the panel."""
         text = progress_text(self.job)
         if text == self.shown:
             return
@@ -171,7 +171,7 @@ class ModalJob:
 
 
 def progress_text(job: Steps) -> str:
-    """How far the work is, for people."""
+    """The progress in words: stage and percentage."""
     return translation.label("{stage}, {percent} %").format(stage=job.stage, percent=f"{100 * job.fraction:.0f}")
 
 
@@ -183,14 +183,14 @@ def sidebars(screen: bpy.types.Screen) -> Iterator[bpy.types.Region]:
 
 
 def redraw_sidebars(context: bpy.types.Context) -> None:
-    """Lets the panel show how far the work is."""
+    """Redraws the sidebars, so that the panel shows the progress."""
     for window in context.window_manager.windows:
         for region in sidebars(window.screen):
             region.tag_redraw()
 
 
 def over_sidebar(context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Whether the mouse is over a region that has the panels, whose settings are grey meanwhile."""
+    """Whether the mouse is over a sidebar, where the panels' settings are grey during the work."""
     return any(
         0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
         for region in sidebars(context.screen)
@@ -206,7 +206,7 @@ class PARADESC_OT_cancel(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Only while something runs."""
+        """Works only while a job runs."""
         return ModalJob.running is not None
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
@@ -219,7 +219,7 @@ classes = (PARADESC_OT_cancel,)
 
 
 def register() -> None:
-    """Lets panels draw how far the work is."""
+    """Adds the property that panels show the progress with."""
     bpy.types.WindowManager.paradesc_progress = bpy.props.FloatProperty(
         name="",
         subtype="PERCENTAGE",
@@ -232,5 +232,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes it away."""
+    """Removes the property."""
     del bpy.types.WindowManager.paradesc_progress

@@ -15,27 +15,27 @@ from .mask_option import MaskOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
-# So many names of skipped objects fit into the line of a bake.
+# The line of a bake lists so many names of skipped objects at most.
 LISTED = 3
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 LEVELS = ("contrast", "brightness", "invert")
 
 
 class LevelsOption:
-    """An operator with levels of its own, which Blender's redo panel changes and which then are the sidebar's too."""
+    """Adds levels to an operator. The redo panel can change them, and the sidebar's levels then follow."""
 
     contrast: property_of(COLORS["contrast"], options={"SKIP_SAVE"})
     brightness: property_of(COLORS["brightness"], options={"SKIP_SAVE"})
     invert: property_of(COLORS["invert"], options={"SKIP_SAVE"})
 
     def take_levels(self, group: bpy.types.PropertyGroup) -> None:
-        """Sets the scene's levels to those that were given."""
+        """Sets the scene's levels to those that the operator was given."""
         for name in LEVELS:
             if self.properties.is_property_set(name) and getattr(self, name) != getattr(group, name):
                 setattr(group, name, getattr(self, name))
 
     def show_levels(self, group: bpy.types.PropertyGroup) -> None:
-        """Shows the scene's levels, to be changed from there."""
+        """Copies the scene's levels to the operator, so that the redo panel starts from them."""
         for name in LEVELS:
             setattr(self, name, getattr(group, name))
 
@@ -49,11 +49,11 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading or writing the selected meshes."""
+        """One sentence about why the selected meshes cannot be read or written, or ""."""
         return obstacle(context)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
-        """Takes settings and selection, with or without a window; what the operator itself is given goes first."""
+        """Takes settings and selection, with or without a window. The operator's own options replace the panel's."""
         group = context.scene.paradesc
         self.take_mask(group)
         self.take_radius(group)
@@ -93,7 +93,7 @@ def keep_for_undo(context: bpy.types.Context) -> None:
 
 
 def bake_sentence(batch: Batch) -> str:
-    """What a bake did, in one line."""
+    """One line that sums up a bake: descriptors, seconds, device, and which meshes failed."""
     written = batch.written
     seconds = sum(piece.results.field_report["seconds_total"] for piece in written)
     names = ", ".join(translation.label(legend.label(name)) for name in written[0].results.values)
@@ -112,7 +112,7 @@ def bake_sentence(batch: Batch) -> str:
 
 
 def skipped_clause(names: list[str]) -> str:
-    """The end of a bake's line, which names the objects that it left out; "" if there are none."""
+    """The clause of a bake's line that names the skipped objects; "" if there are none."""
     listed = ", ".join(f'"{name}"' for name in names[:LISTED]) + (", …" if len(names) > LISTED else "")
     if not names:
         return ""
@@ -128,7 +128,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only if one of them is not local."""
+        """Needs a chosen mesh that is linked or an override."""
         found = any(targets.unwritable(target) for target in targets.chosen(context))
         if not found:
             cls.poll_message_set(translation.tooltip("Every chosen mesh is local already"))
@@ -174,7 +174,7 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only if one of them is selected."""
+        """Needs a selected object that can be converted to a mesh."""
         found = bool(targets.skipped(context))
         if not found:
             cls.poll_message_set(translation.tooltip("Select text, curves, surfaces or metaballs in object mode first"))

@@ -1,4 +1,4 @@
-"""What bakes of meshes and of frames have in common: objects in a row, of which one is under way, with its worker."""
+"""The base of bakes of meshes and of frames: a list of objects, processed one after another by workers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ ObjectKey = tuple[str, str | None]  # an object's name and library: objects them
 
 @dataclass
 class Piece:
-    """One object of a bake: which one it is, what failed, and what there is to say."""
+    """One object of a bake, with its failure, notes and warnings."""
 
     key: ObjectKey
     failure: str = field(default="", kw_only=True)  # one sentence
@@ -44,18 +44,18 @@ class Piece:
         return find(self.key)
 
     def drop(self) -> None:
-        """Lets go of what was computed, because something went wrong."""
+        """Drops what was computed, because something went wrong."""
 
 
 # Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
 # then crashes if the process ends while a bake runs.
 class Pieces:
-    """Pieces one after another. Whoever extends this has step(), which goes on with the current one, and fraction."""
+    """Pieces processed one after another. Subclasses define step(), which continues the current one, and fraction."""
 
     def __init__(self, pieces: list[Piece]) -> None:
-        """Nothing is under way yet."""
+        """Starts with no piece under way."""
         self.pieces = pieces
-        self.current = 0  # how many pieces are behind us
+        self.current = 0  # the number of pieces that are finished
         self.worker: Worker | None = None
         self.cancelled = False
 
@@ -71,27 +71,27 @@ class Pieces:
 
     @property
     def failed(self) -> list[Piece]:
-        """The pieces that something is wrong with."""
+        """The pieces that failed."""
         return [piece for piece in self.pieces if piece.failure]
 
     def step(self, wait: bool = False) -> None:
-        """Goes on with the current piece; wait: waits for the worker under way, at which it otherwise only looks."""
+        """Continues with the current piece. wait: waits for its worker, instead of checking whether it has ended."""
         raise NotImplementedError
 
     def join(self) -> Worker:
-        """Waits for the worker and lets go of it; Ctrl-C meanwhile leaves it to settle()."""
+        """Waits for the worker and detaches it. If Ctrl-C interrupts the wait, the worker stays for settle()."""
         self.worker.join()
         worker, self.worker = self.worker, None
         return worker
 
     def cancel(self) -> None:
-        """Ends the bake as soon as the worker has heard of it."""
+        """Asks the worker to stop; the bake ends once it has."""
         self.cancelled = True
         if self.worker is not None:
             self.worker.cancel()
 
     def settle(self) -> None:
-        """Cancels what is left and waits until all is at rest. Safe to call again."""
+        """Cancels the remaining work and waits until nothing is under way. Safe to call again."""
         if not self.done:
             self.cancel()
         while not self.done:
@@ -99,7 +99,7 @@ class Pieces:
 
 
 class OneByOne(Pieces):
-    """Meshes of which each is one worker's work. Whoever extends this has start() and take()."""
+    """Meshes, each processed by one worker. Subclasses define start() and take()."""
 
     def start(self, piece: Piece) -> None:
         """Reads a mesh and starts its worker."""
@@ -117,7 +117,7 @@ class OneByOne(Pieces):
 
     @property
     def stage(self) -> str:
-        """What is being done, for people."""
+        """Words for the step under way, shown as progress."""
         own = stage_words(self.worker.stage if self.worker else "read")
         if len(self.pieces) == 1 or self.current == len(self.pieces):
             return own
@@ -125,7 +125,7 @@ class OneByOne(Pieces):
         return several.format(stage=own, number=self.current + 1, count=len(self.pieces))
 
     def step(self, wait: bool = False) -> None:
-        """Reads the next mesh and starts its worker, or takes in what a worker has ended with."""
+        """Starts the worker of the next mesh, or takes in the results of a worker that has ended."""
         if self.done:
             return
         piece = self.pieces[self.current]
@@ -139,7 +139,7 @@ class OneByOne(Pieces):
             self.attempt(piece, lambda piece: self.take(piece, worker))
 
     def attempt(self, piece: Piece, action: Callable[[Piece], None]) -> None:
-        """Does one step for a mesh; if it goes wrong, that is the failure of this mesh, and the others go on."""
+        """Runs one step for a mesh. An error becomes the failure of this mesh, and the others go on."""
         try:
             action(piece)
         except ParadescError as error:
@@ -150,7 +150,7 @@ class OneByOne(Pieces):
 
 
 def stage_words(stage: str) -> str:
-    """A stage for people; what computes, however it does so, measures."""
+    """A stage in words; every stage of the computation itself reads as measuring."""
     return label(STAGE_WORDS.get(stage, "Measuring"))
 
 
@@ -171,12 +171,12 @@ def failures(batch: Pieces) -> list[str]:
 
 
 def file_word(name: str) -> str:
-    """The name of an object as a file may have it; the names of two may become one."""
+    """An object's name as part of a file name. Two objects may get the same."""
     return file_names.cut(bpy.path.clean_name(name))
 
 
 def file_words(keys: list[ObjectKey]) -> list[str]:
-    """The same, no two alike; numbers go by all objects that there are, so that each bake gives the same."""
+    """Distinct file words of objects. Numbers count all objects in the .blend, so that every bake gives the same."""
     there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
     every = sorted(there, key=lambda key: (key[0], key[1] or ""))
     words = dict(zip(every, file_names.distinct([file_word(name) for name, _ in every]), strict=True))
@@ -184,7 +184,7 @@ def file_words(keys: list[ObjectKey]) -> list[str]:
 
 
 def with_name(name: str, failure: str) -> str:
-    """The sentence about an object, with its name in front unless the sentence has it."""
+    """The sentence with the object's name in front, unless the sentence contains the name."""
     return said(failure) if f'"{name}"' in failure else f'"{name}": {said(failure)}'
 
 

@@ -14,10 +14,10 @@ from .fit import RadiusOption
 from .modal import ModalJob
 from .pieces import OneByOne, Piece, failures, key_of, report_all
 
-# Those of the panel's masks whose values are the mask.
+# The panel's masks whose values can be used as a sculpt mask as they are.
 MASKS = ("cavity", "edge_wear", "openness")
-# A usual radius spans ten edges of so many triangles, and fitting their normals takes a sixth of the time for nothing
-# that is seen.
+# On a mesh of so many triangles the usual radius spans ten edges. Fitting normals would then take a sixth of the time
+# without a visible effect.
 FINE = 200_000
 
 
@@ -71,7 +71,7 @@ class MaskBatch(OneByOne):
 
 
 def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
-    """The settings, without what takes time and is not seen on a mesh of so many triangles."""
+    """The settings, without fitted normals if a mesh of so many triangles shows no difference but takes longer."""
     if triangles < (fine or FINE) or settings.options.normals != "fitted":
         return settings
     return replace(settings, options=replace(settings.options, normals="max"))
@@ -104,19 +104,19 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading the mesh or of masking it."""
+        """One sentence about why the mesh cannot be read or masked, or ""."""
         target = context.active_object
         if target is None or target.mode != "SCULPT":
             return "Enter sculpt mode first: what is masked there is protected"
         return targets.reading_obstacle(context) or sculpt_masks.multires_obstacle(target)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> MaskBatch:
-        """Takes the panel's settings; the operator's own radius goes first."""
+        """Takes the panel's settings; the operator's own radius replaces the panel's."""
         self.take_radius(context.scene.paradesc)
         return MaskBatch(context, self.mask)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the mask, or after Esc leaves it."""
+        """Writes the mask; after Esc the mask stays as it was."""
         batch = self.job
         if batch.cancelled:
             self.report({"INFO"}, "Cancelled; the mask is as it was")
