@@ -1,4 +1,4 @@
-"""The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
+"""The interface between Python and libparadesc: plain Python, ctypes and numpy, never Blender."""
 
 from . import origin
 from .arrays import Layout, MeshArrays, SurfaceMaps

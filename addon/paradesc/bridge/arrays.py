@@ -14,9 +14,9 @@ class Layout:
     """A UV layout made for the computation, because the mesh has no usable UV map of its own."""
 
     uvs: np.ndarray  # (corner_count, 2) float32
-    reason: str  # what the mesh's own map is lacking: "has no UV map"
+    reason: str  # the fault of the mesh's own map: "has no UV map"
     topology: str  # names the way in which the faces are connected, which the layout fits
-    kept: bool  # an earlier bake left it in the mesh
+    kept: bool  # whether an earlier bake stored it in the mesh
 
 
 @dataclass
@@ -58,7 +58,7 @@ class MeshArrays:
 
 
 def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput, list[np.ndarray]]:
-    """The C struct of a mesh, and the arrays that have to live as long as it is read."""
+    """The C struct of a mesh, and the arrays that must stay alive while the library reads it."""
     kept: list[np.ndarray] = []
 
     def give(array: np.ndarray | None, kind: type, name: str, width: int, pointer: type) -> object:
@@ -91,7 +91,7 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
 
 
 def near_positions(positions: np.ndarray) -> np.ndarray:
-    """(vertex_count, 3) float32 positions as the library gets them, near the origin wherever they lie."""
+    """(vertex_count, 3) float32 positions for the library, moved near the origin if they are far from it."""
     return origin.near_origin(contiguous(positions, np.asarray(positions).dtype, "positions", 3))
 
 
@@ -106,7 +106,7 @@ def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarr
 
 
 def image(pixels: np.ndarray | None, name: str, dimensions: int) -> tuple[np.ndarray | None, object, int, int]:
-    """An image's pixels, which have to stay alive while they are read, with their address, height and width."""
+    """An image's pixels with their address, height and width. Keep the pixels alive while the library reads them."""
     if pixels is None:
         return None, abi.Float32Pointer(), 0, 0
     array = np.ascontiguousarray(pixels, dtype=np.float32)

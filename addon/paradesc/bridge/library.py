@@ -20,15 +20,15 @@ LIBRARY_NAMES = {
     "win32": "paradesc.dll",
     "darwin": f"libparadesc-{platform.machine()}.dylib",
 }
-# What releases hold libraries for; platform.machine() by sys.platform. Linux on ARM64 has a wheel alone.
+# Platforms that releases contain libraries for: platform.machine() by sys.platform. Linux on ARM64 has only a wheel.
 MACHINES = {"linux": ("x86_64", "aarch64"), "win32": ("AMD64", "ARM64"), "darwin": ("x86_64", "arm64")}
 # libparadesc needs these libraries; they are loaded first if they are in the same folder.
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
 GROWTH_ROOM = 256
-# People read the masks' names wherever a descriptor is one.
+# The labels of masks, which replace those of the descriptors that they are.
 MASK_LABELS = {"convexity": "Edge Wear", "ambient_openness": "Openness"}
-# A library stays loaded, so an add-on or a package that is updated meanwhile meets the old one.
+# A loaded library cannot be unloaded, so an add-on or package that was updated meanwhile still finds the old one.
 REMEDY = "restart Blender or Python if you have just updated it, else install both from one release"
 
 Struct = TypeVar("Struct", bound=ctypes.Structure)
@@ -44,7 +44,7 @@ class ParadescError(Exception):
 
 
 class InputError(ParadescError, ValueError):
-    """The mesh or file that was given cannot be used, whatever the settings; a ValueError for users of Python."""
+    """The given mesh or file cannot be used with any settings. It is also a ValueError, which Python users expect."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(abi.STATUS_INVALID_ARGUMENT, sentence)
@@ -67,7 +67,7 @@ class Descriptor:
 
     @property
     def unit(self) -> str:
-        """The unit as text: "1/length", "length^3", or "" where there is none."""
+        """The unit as text: "1/length", "length^3", or "" for none."""
         return unit_name(self.length_power)
 
     def unit_on(self, map_name: str) -> str:
@@ -142,7 +142,7 @@ def offer() -> str:
 
 
 def unlocked(path: Path) -> Path:
-    """The file to load: on Windows a copy, as Windows locks it and the add-on has to be updated and removed."""
+    """The file to load: on Windows a copy, as a loaded file is locked and the add-on has to be updated and removed."""
     if sys.platform != "win32":
         return path
     content = path.read_bytes()

@@ -66,12 +66,12 @@ NUMBERS = {
     "max_jumps": "number of jumps",
     "texels": "number of texels",
 }
-# What --adaptive means without a number, in radians.
+# The threshold in radians that --adaptive has if it is given without a number.
 ADAPTIVE_THRESHOLD = 0.05
 
 
 def uses_texture_space(backend: str) -> bool:
-    """Says whether a backend, any but auto, needs a UV map, and bakes buffers over it."""
+    """Whether a backend, other than auto, bakes buffers over a UV map, and so needs one."""
     return METHODS[backend] == "texture space"
 
 
@@ -105,7 +105,7 @@ class Options:
 
 
 def needs_texture_space(options: Options, buffers: bool = False) -> bool:
-    """Says whether auto takes OpenGL for these options, as pdesc_mesh_backend does of a mesh that is there."""
+    """Whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
     return (
         buffers
         or options.seam_error
@@ -116,7 +116,7 @@ def needs_texture_space(options: Options, buffers: bool = False) -> bool:
 
 
 def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False) -> abi.ComputeOptions:
-    """The C struct of the options; buffers: those that are baked will be read."""
+    """The options as a C struct; buffers: whether the baked buffers will be read."""
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
     native.adaptive = options.adaptive

@@ -1,4 +1,4 @@
-"""Brings meshes that lie far from the origin to it, where 32-bit floats hold their shape; refuses endless positions.
+"""Moves meshes near the origin, where 32-bit floats hold their shape, and refuses positions that are not finite.
 
 Every descriptor is the same wherever the mesh is; 32-bit floats far from the origin are not.
 """
@@ -8,7 +8,7 @@ import numpy as np
 from .library import InputError
 
 LARGEST = float(np.finfo(np.float32).max)
-# Rounding that moves vertices by a larger share of the mean edge than this shows in the values.
+# If rounding moves vertices by a larger share of the mean edge than this, the values show it.
 ROUNDING_THAT_SHOWS = 1e-3
 
 
@@ -23,9 +23,10 @@ def far_center(points: np.ndarray) -> np.ndarray | None:
 
 
 def is_around_origin(points: np.ndarray) -> bool:
-    """Whether some of the (n, 3) positions tell that they are not far; a mesh is asked several times a frame.
+    """Whether a sample of (n, 3) positions shows that they are not far. It is quick, as it runs several times a frame.
 
-    The middle of a box is half of its width from any point at most, so a box that is far has no point nearer than that.
+    The middle of a box is at most half of its width away from any point, so a box that lies far from the origin has no
+    point nearer to it than that.
     """
     some = points[:: len(points) // 64 + 1].astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -33,7 +34,7 @@ def is_around_origin(points: np.ndarray) -> bool:
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
-    """(n, 3) contiguous float32 positions for the library of (n, 3) ones, moved to the origin if they lie far away."""
+    """(n, 3) contiguous float32 positions for the library; those that lie far away are moved to the origin."""
     center = far_center(points)
     if center is not None:
         points = points - center
@@ -44,7 +45,7 @@ def near_origin(points: np.ndarray) -> np.ndarray:
 
 
 def stored(points: np.ndarray) -> np.ndarray:
-    """(n, 3) float64 positions as float32, unless they lie so far away that their shape would be lost."""
+    """(n, 3) float64 positions as float32, unless they lie so far away that this would lose their shape."""
     with np.errstate(over="ignore", invalid="ignore"):
         rounded = points.astype(np.float32)
         return rounded if far_center(points) is None or np.array_equal(rounded, points) else points
@@ -60,7 +61,7 @@ def check_finite(points: np.ndarray) -> None:
 
 
 def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
-    """Says what is lost where (n, 3) positions are 32-bit floats too far from the origin for their mean edge."""
+    """A note about precision lost where 32-bit positions (n, 3) lie too far from the origin for their mean edge."""
     if far_center(points) is None:
         return []
     reach = float(np.abs(points).max())

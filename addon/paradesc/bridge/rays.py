@@ -15,7 +15,7 @@ from .uv_images import shaped
 
 @dataclass(frozen=True)
 class Hits:
-    """What rays met of a surface."""
+    """The hits of rays on a surface, one for each ray."""
 
     triangle_vertices: np.ndarray  # (triangle_count, 3) int32 of the surface
     triangles: np.ndarray  # (n,) int32, -1 for none
@@ -27,12 +27,12 @@ class Hits:
         return self.triangles < 0
 
     def apart(self, count: int) -> tuple["Hits", "Hits"]:
-        """What the first rays met, so many of them, and what the others did."""
+        """Splits the hits into those of the first rays, as many as count, and those of the others."""
         first, others = slice(0, count), slice(count, None)
         return tuple(Hits(self.triangle_vertices, self.triangles[i], self.weights[i]) for i in (first, others))
 
     def values(self, values: np.ndarray) -> np.ndarray:
-        """(n,) or (n, 3) float32 at what was met, of values (vertex_count,) or directions (vertex_count, 3)."""
+        """(n,) or (n, 3) float32 at the hits, of values (vertex_count,) or directions (vertex_count, 3)."""
         library = load_library()
         width = 3 if values.ndim == 2 else 1
         given = shaped(values, np.float32, "values", (-1, 3) if width == 3 else (-1,))
@@ -54,9 +54,9 @@ def cast_rays(
     reach: float,
     progress: ProgressFunction | None = None,
 ) -> Hits:
-    """What rays (n, 6), points and directions, meet of a surface nearest to their points, at most reach away.
+    """Casts rays (n, 6), points and directions; finds each ray's hit nearest to its point, at most reach away.
 
-    positions: (vertex_count, 3). Only triangles whose outside faces along the direction are met.
+    positions: (vertex_count, 3). Only triangles whose outside faces along the direction are hit.
     """
     library = load_library()
     points = shaped(positions, np.float32, "positions", (-1, 3))

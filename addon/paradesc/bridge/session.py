@@ -14,7 +14,7 @@ from .interrupts import Interrupts
 from .library import InputError, check, components, load_library, new_struct, text
 from .options import BACKENDS, Options, choice, int32, native_options
 
-# What Mesh.read_buffer reads, and how many values a texel has of it.
+# The buffers that Mesh.read_buffer reads, with their number of values for each texel.
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
@@ -131,7 +131,7 @@ class Mesh:
         del array
 
     def set_maps(self, maps: SurfaceMaps) -> None:
-        """Sets both maps."""
+        """Sets displacement and normal map, or removes those that are None."""
         self.set_displacement(maps.heights, maps.midlevel, maps.scale)
         self.set_normal_map(maps.normals, maps.corner_tangents)
 
@@ -175,7 +175,7 @@ class Mesh:
     def memory(
         self, descriptors: Sequence[str], options: Options | None = None, backend: str = "auto"
     ) -> dict[str, int]:
-        """pdesc_memory by member name: bytes that computing would take, on this backend instead of the mesh's own."""
+        """pdesc_memory by member name: the bytes that computing would take on this backend, not on the mesh's own."""
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
         native = native_options(self._library, options or Options())
         memory = new_struct(self._library, abi.Memory)
@@ -274,7 +274,7 @@ class Context:
 
 
 def allowed_memory(limit: int) -> int:
-    """Bytes that may be used, as the library itself decides: a limit above 0, else half of what is free."""
+    """The bytes that may be used, as the library decides: the limit if it is above 0, else half of the free memory."""
     triangle = MeshArrays(np.eye(3, dtype=np.float32), np.arange(3, dtype=np.int32), np.arange(3, dtype=np.int32)[None])
     with Context("reference", memory_limit=limit) as context, context.mesh(triangle) as mesh:
         return mesh.memory(["mean_curvature"])["allowed"]
@@ -286,7 +286,7 @@ def backend_name(number: int) -> str:
 
 
 def progress_callback(progress: ProgressFunction | None, caught: list[BaseException]) -> object:
-    """A C callback that keeps what the Python one raised, and then cancels; also once Ctrl-C has been caught."""
+    """A C callback. An exception of the Python callback, or a caught Ctrl-C, cancels the call and is kept in caught."""
 
     def report(_user: int | None, stage: bytes, fraction: float) -> int:
         try:

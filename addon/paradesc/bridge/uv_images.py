@@ -15,7 +15,7 @@ from .session import ProgressFunction, progress_callback
 
 @dataclass(frozen=True)
 class TexelMap:
-    """What was evaluated at texels, and where the triangles lie in it."""
+    """Values evaluated at texels, and the layout of the triangles over them."""
 
     values: np.ndarray  # (M, M) or (M, M, 3) float32, rows from v = 0 up
     layout: np.ndarray  # (triangle_count, 3, 2) float32
@@ -63,7 +63,7 @@ def draw_uv_image(
 
 
 def fill_gutter(image: np.ndarray, steps: int) -> np.ndarray:
-    """(height, width, c) float32 with rings of undefined texels filled from beside them, and 0 beyond the gutter."""
+    """(height, width, c) float32 with rings of undefined texels filled from their neighbors, 0 beyond the gutter."""
     library = load_library()
     filled = np.array(image, np.float32, order="C")
     height, width, components = filled.shape
