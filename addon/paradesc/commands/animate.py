@@ -58,7 +58,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Bakes the frames that are missing; gives the report of all that are there then."""
+    """Bakes the missing frames; returns the report on all frames that exist then."""
     settings_of(arguments)
     check_preset(arguments.preset)
     chosen = parse_frames(arguments.frames)
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 @dataclass
 class Bakes:
-    """What to bake: each object's name, with what bakes its frames into a folder."""
+    """The bakes to run: for each object its name, and a function that bakes its frames into a folder."""
 
     settings: job.Settings
     wanted: Sequence[int]
@@ -143,7 +143,7 @@ def bake_object(
     wanted: Sequence[int],
     progress: ProgressFunction,
 ) -> dict[str, object]:
-    """Bakes one object's frames; gives its part of the report."""
+    """Bakes one object's frames; returns its part of the report."""
     import bpy
 
     from ..animation import frames
@@ -163,7 +163,7 @@ def bake_object(
 
 
 def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction) -> list[Done]:
-    """Bakes one frame after the other; gives those that had to be made."""
+    """Bakes one frame after the other; returns those that had to be computed."""
     made = []
     for index, frame in enumerate(wanted):
         part = part_of(progress, frame, index, len(wanted))
@@ -176,12 +176,12 @@ def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction)
 
 
 def part_of(progress: ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
-    """Turns the progress of one frame into that of all."""
+    """Turns the progress of one frame into that of all frames."""
     return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
 
 
 def parse_frames(text: str | None) -> range | None:
-    """The frames asked for, or None for the scene's."""
+    """The frames that --frames asks for; None stands for the scene's."""
     try:
         return None if text is None else cache.parse_frames(text)
     except ValueError as error:
@@ -197,7 +197,7 @@ def scene_frames() -> range:
 
 
 def cache_folder(arguments: argparse.Namespace) -> Path:
-    """The folder asked for, or the one beside the .blend."""
+    """The folder that --cache names, or one beside the .blend."""
     import bpy
 
     if arguments.cache is not None:
@@ -208,7 +208,7 @@ def cache_folder(arguments: argparse.Namespace) -> Path:
 
 
 def make_writable(folder: Path) -> None:
-    """Makes the folder, or says why it cannot be written."""
+    """Creates the folder, or raises why nothing can be written to it."""
     make_folder(folder)
     if not os.access(folder, os.W_OK):
         raise cache.refused(f'The folder "{folder}" cannot be written.')

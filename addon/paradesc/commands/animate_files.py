@@ -1,4 +1,4 @@
-"""Bakes an animation that is a sequence of mesh files, without Blender: the first file is what counts as rest pose."""
+"""Bakes an animation given as a sequence of mesh files, without Blender. The first file is the rest pose."""
 
 import argparse
 import time
@@ -26,7 +26,7 @@ SOURCE = "files"
 
 @dataclass
 class MeshSequence:
-    """One mesh in each file of a sequence."""
+    """A mesh whose frames are the files of a sequence."""
 
     name: str
     files: dict[int, Path]  # by frame
@@ -45,14 +45,14 @@ class MeshSequence:
 
 @dataclass
 class FileReading:
-    """A frame's mesh; its vertices are those of its file."""
+    """The mesh of a frame. Its vertices are the file's own."""
 
     arrays: MeshArrays
     own: bool = True
 
 
 def is_asked(arguments: argparse.Namespace) -> bool:
-    """Whether the input is a sequence of files; refuses single files that hold no animation of their own."""
+    """Whether the input is a sequence of files. A single file that is read without Blender is refused."""
     if arguments.input is None:
         return False
     if sequences.is_sequence(arguments.input):
@@ -66,7 +66,7 @@ def is_asked(arguments: argparse.Namespace) -> bool:
 
 
 def opened(arguments: argparse.Namespace) -> list[MeshSequence]:
-    """The meshes of a sequence that the options choose, by those of its first file."""
+    """The meshes of the sequence that the options choose, by their names in its first file."""
     file_reading.check_options(arguments)
     files = sequences.frames_of(arguments.input)
     name = sequences.name_of(arguments.input, next(iter(files.values())))
@@ -80,7 +80,7 @@ def opened(arguments: argparse.Namespace) -> list[MeshSequence]:
 
 
 def wanted(meshes: list[MeshSequence], asked: range | None) -> Sequence[int]:
-    """The frames to bake: all files, or those that are asked for, which have to be there."""
+    """The frames to bake: all files, or the frames that --frames names, which must exist."""
     files = meshes[0].files
     lacking = [frame for frame in asked or () if frame not in files]
     if lacking:
@@ -91,14 +91,14 @@ def wanted(meshes: list[MeshSequence], asked: range | None) -> Sequence[int]:
 
 
 def cache_folder(arguments: argparse.Namespace) -> Path:
-    """The folder asked for, or one beside the files."""
+    """The folder that --cache names, or one beside the files."""
     if arguments.cache is not None:
         return arguments.cache
     return (arguments.input if is_folder(arguments.input) else arguments.input.parent) / cache.DEFAULT_FOLDER
 
 
 class FileBaker(Baker):
-    """Bakes the frames of one mesh, a file each."""
+    """Bakes the frames of one mesh, each from a file."""
 
     def __init__(self, mesh: MeshSequence, request: FrameRequest, arguments: argparse.Namespace) -> None:
         self.mesh, self.arguments, self.settings = mesh, arguments, request.settings
@@ -106,7 +106,7 @@ class FileBaker(Baker):
         super().__init__(mesh.name, mesh.first.name, request)
 
     def open(self, settings: job.Settings) -> None:
-        """Opens the device, and has the meshes of all frames read for it."""
+        """Opens the device, and keeps the settings, by which the meshes of all frames are read."""
         self.settings = settings
         super().open(settings)
 
@@ -114,7 +114,7 @@ class FileBaker(Baker):
         """The mesh of the first file."""
         if self.arguments.normal_map is not None:
             raise InputError("Normal maps are followed in single bakes only; leave them out to bake frames.")
-        known = None if self.maps is None else MapChoice()  # images are read once
+        known = None if self.maps is None else MapChoice()  # None: images are read only once
         read = file_reading.read_mesh(self.mesh.first, self.settings, self.arguments, maps=known)
         self.maps = read.measured.maps = self.maps or read.measured.maps
         self.notes += [note for note in read.notes if note not in self.notes]

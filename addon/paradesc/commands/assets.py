@@ -27,13 +27,13 @@ from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
 from .file_reading import read_mesh
 
 RESULTS = "results"
-# Failures that the same file and settings have everywhere: they are not tried again.
+# The exit codes of failures that the same file and settings always cause; such an asset is not tried again.
 LASTING = (EXIT_USAGE, EXIT_INPUT)
 
 
 @dataclass(frozen=True)
 class Work:
-    """What is done with every asset of a library."""
+    """The settings of a run, which are the same for every asset."""
 
     folder: Path
     output: Path
@@ -46,30 +46,30 @@ class Work:
 
 @dataclass
 class Done:
-    """An asset's row, and whether it had to be made."""
+    """An asset's row, and whether it was computed in this run."""
 
     row: dict
     made: bool
 
 
 def key_of(settings: job.Settings) -> str:
-    """The name of settings: results of the same key and content are the same."""
+    """A name for settings. Results with the same key and content are the same."""
     flat = {name: value for name, value in settings.as_dict().items() if name != "device_index"}
     return hashlib.sha256(json.dumps([__version__, flat], sort_keys=True).encode()).hexdigest()[:32]
 
 
 def results_path(work: Work, name: str) -> Path:
-    """Where an asset's arrays are."""
+    """The path of an asset's arrays."""
     return work.output / RESULTS / f"{name}.npz"
 
 
 def row_path(work: Work, name: str) -> Path:
-    """Where an asset's row is."""
+    """The path of an asset's row."""
     return work.output / RESULTS / f"{name}.json"
 
 
 def measure(work: Work, name: str, progress: ProgressFunction | None = None) -> Done:
-    """The row of an asset, computed unless its results are there already. A failure is a row as well."""
+    """The row of an asset. It is computed unless its results exist already. A failure also gives a row."""
     row = {"file": name, "status": "ok", "exit_code": 0, "error": None, "content_hash": None, "settings_key": work.key}
     try:
         if work.version != __version__:
@@ -96,7 +96,7 @@ def failed(row: dict, sentence: str, code: int) -> dict:
 
 
 def write_row(work: Work, row: dict) -> None:
-    """Keeps a row beside the results."""
+    """Writes a row beside the results."""
     path = row_path(work, row["file"])
     make_folder(path.parent)
     write_whole(path, row, write_line)
@@ -140,7 +140,7 @@ def buffers_beside(path: Path, content: bytes) -> list[Path]:
 
 
 def kept_row(work: Work, asked: dict) -> dict | None:
-    """The row that an earlier run left, if it is of this content and these settings and its results are there."""
+    """The row of an earlier run, if it has this content and these settings and its results exist."""
     row = read_row(row_path(work, asked["file"]))
     if any(row.get(name) != asked[name] for name in ("file", "content_hash", "settings_key")):
         return None
@@ -166,7 +166,7 @@ def read_row(path: Path) -> dict:
 
 
 def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[str, object]:
-    """Computes an asset and writes its arrays; gives what its row says of them."""
+    """Computes an asset and writes its arrays; returns the facts for its row."""
     started = time.monotonic()
     meshes = mesh_files.read(work.folder / name)
     read = time.monotonic()
@@ -206,7 +206,7 @@ def bake(mesh: mesh_files.FileMesh, settings: job.Settings, progress: ProgressFu
 
 
 def described_object(baked: Baked) -> dict[str, object]:
-    """What a row says of one object: of the report of a bake what differs from asset to asset, and distributions."""
+    """The facts about one object for a row: those of a bake's report that differ between assets, and distributions."""
     found = baked.results
     report = results.report(baked)
     for name, row in report["descriptors"].items():
@@ -224,10 +224,10 @@ def described_object(baked: Baked) -> dict[str, object]:
 
 
 def in_part(name: str, part: int, parts: int) -> bool:
-    """Whether an asset belongs to one of equal parts, counted from 1; that does not depend on the other assets."""
+    """Whether an asset belongs to a part, counted from 1, of several about equal parts. Other assets do not matter."""
     return int(hashlib.sha256(name.encode()).hexdigest()[:12], 16) % parts == part - 1
 
 
 def of_part(names: Iterable[str], part: tuple[int, int] | None) -> list[str]:
-    """The names that belong to part k of n; None: all."""
+    """The names that belong to part (k, n); None stands for all."""
     return [name for name in names if part is None or in_part(name, *part)]

@@ -104,7 +104,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuses what makes no sense, before any file is opened."""
+    """Refuses options that contradict each other, before any file is opened."""
     if arguments.pack and arguments.descriptors is None:
         arguments.descriptors = ",".join(arguments.pack)
     settings = settings_of(arguments)
@@ -172,13 +172,13 @@ def bake_objects(
 
 
 def bake_onto(opened: Opened, settings: job.Settings, arguments: argparse.Namespace) -> list[results.Baked]:
-    """Computes detailed objects for low-poly ones; those of another file are gone afterwards, so no output has them."""
+    """Computes detailed objects for low-poly ones. Those of another file are removed at the end: no output has them."""
     with pairs.with_highs(opened, arguments) as highs:
         return bake_objects(opened.objects, settings, arguments, highs)
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
-    """The look that the options ask for; what is not given comes from --preset, else from --scene-settings."""
+    """The look of the options. Missing ones come from --preset, else from --scene-settings."""
     look = None
     if arguments.scene_settings:
         from ..settings.looks import scene_look
@@ -190,7 +190,7 @@ def asked_look(arguments: argparse.Namespace) -> Look:
 
 @contextmanager
 def named(target: Target, count: int) -> Iterator[None]:
-    """Adds to an error which object it is about, if there are several."""
+    """Adds the object's name to an error if there are several objects."""
     try:
         yield
     except bridge.InputError as error:
@@ -200,7 +200,7 @@ def named(target: Target, count: int) -> Iterator[None]:
 
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
-    """Writes the results where they belong; if several objects share a mesh, those of the first."""
+    """Writes the results to the scene; objects that share a mesh get the results of the first one."""
     from ..scene import delivery
     from ..scene import targets as groups
 
@@ -211,7 +211,7 @@ def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Bake
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:
-    """Everything that limits the results; with the names of the objects if there are several."""
+    """All warnings about the results, with the objects' names if there are several."""
     several = len(baked) > 1
     return [
         f"{one.object_name}: {sentence}" if several else sentence for one in baked for sentence in one.results.warnings
@@ -219,7 +219,7 @@ def warnings_of(baked: list[results.Baked]) -> list[str]:
 
 
 def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], warnings: list[str]) -> list[str]:
-    """A sentence for each check that was asked for and failed."""
+    """One sentence for each failed check."""
     failed = []
     least, most = arguments.fail_under_coverage, arguments.fail_over_undefined
     for one in baked:

@@ -9,12 +9,12 @@ from pathlib import Path
 from ..bridge import ParadescError, abi
 
 FARMS = Path(__file__).resolve().parent.parent / "farms"
-# Options that the templates have parameters of their own for, or set themselves.
+# Options that are parameters of the templates, or that the templates set.
 OWN = ("--frames", "--cache", "--output", "-o", "--backend", "--descriptors", "--radius", "--progress")
 
 
 def without_options(words: list[str], names: Collection[str]) -> tuple[list[str], dict[str, str]]:
-    """The words without these options, which take a value each, and the values that they had."""
+    """The words without these options and their values, and the values by option."""
     rest: list[str] = []
     given: dict[str, str] = {}
     left = iter(words)
@@ -37,7 +37,7 @@ def values_of(words: list[str], own: dict[str, object], program: list[str]) -> d
 
 
 def write_bundle(folder: Path, kind: str, values: dict[str, object]) -> list[Path]:
-    """Writes a job bundle of Open Job Description: the template of this kind, and values for its parameters."""
+    """Writes a job bundle of Open Job Description: its template, and the values of the template's parameters."""
     lines = ["parameterValues:"]
     for name, value in values.items():
         lines += [f"  - name: {name}", f"    value: {json.dumps(value, ensure_ascii=False)}"]  # JSON is YAML as well

@@ -3,7 +3,7 @@
 from .main import main
 
 classes = ()
-# What Blender returned for the command; it is needed to remove the command.
+# The handle that Blender returned for the command, which is needed to remove the command.
 handles: list[object] = []
 
 

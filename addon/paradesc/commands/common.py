@@ -1,4 +1,4 @@
-"""What the commands share: errors and exit codes, checks of outputs, progress, notes."""
+"""The shared parts of commands: errors and exit codes, checks of outputs, progress, notes."""
 
 import argparse
 import importlib.util
@@ -21,16 +21,16 @@ EXIT_CHECK = 5  # everything is written, but a check that was asked for failed
 EXIT_INTERRUPTED = 130  # Ctrl-C
 EXIT_TERMINATED = 143  # SIGTERM
 PROGRESS = ("auto", "lines", "openjd", "off")
-# Between two lines of --progress lines and openjd.
+# Lines of --progress lines and openjd are at least this share of the work apart.
 LINE_STEP = 0.05
 
 
 class UsageError(Exception):
-    """The arguments make no sense; the text is one sentence."""
+    """The arguments contradict each other; the text is one sentence."""
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse whose errors are one sentence."""
+    """An ArgumentParser whose errors are one sentence."""
 
     def error(self, message: str) -> NoReturn:
         """Raises instead of printing the usage and exiting."""
@@ -66,7 +66,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
 
 
 def with_also(words: list[str]) -> list[str]:
-    """Puts the options that --also holds in its place."""
+    """Replaces each --also by the options that its text contains."""
     found: list[str] = []
     left = iter(words)
     for word in left:
@@ -96,7 +96,7 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
 
 
 def has_blender() -> bool:
-    """Whether Blender's Python module can be imported, without doing so."""
+    """Whether Blender's Python module can be imported; this does not import it."""
     return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
 
 
@@ -116,7 +116,7 @@ def add_objects_options(parser: argparse.ArgumentParser) -> None:
 
 
 def saves_scene(arguments: argparse.Namespace) -> bool:
-    """Whether the scene itself is an output, so that results go to its objects."""
+    """Whether a .blend is among the outputs, so that results have to be written to the scene's objects."""
     return any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", None) or ())
 
 
@@ -127,19 +127,19 @@ def print_notes(sentences: list[str]) -> None:
 
 
 def write_line(stage: str, fraction: float) -> None:
-    """Writes the progress as a line of a log."""
+    """Writes the progress as one line of a log."""
     sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
     sys.stderr.flush()
 
 
 def write_openjd(stage: str, fraction: float) -> None:
-    """Writes the progress as Open Job Description's sessions read it."""
+    """Writes the progress in the form that sessions of Open Job Description read."""
     tell_openjd("progress", f"{100 * fraction:.1f}")
     tell_openjd("status", stage)
 
 
 def tell_openjd(kind: str, text: str) -> None:
-    """Writes one message of Open Job Description, past --quiet: its sessions read the standard output."""
+    """Writes one message of Open Job Description, even with --quiet, as its sessions read the standard output."""
     if sys.__stdout__ is not None:
         sys.__stdout__.write(f"openjd_{kind}: {' '.join(text.split())}\n")
         sys.__stdout__.flush()

@@ -44,7 +44,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Computes on a device and on the reference, and prints the table of errors."""
+    """Computes on a device and on the reference, and prints the table of errors; returns the report."""
     if arguments.backend == "reference":
         raise UsageError("The reference is what compare compares with; choose another backend.")
     check_outputs([arguments.json] if arguments.json else [])

@@ -15,7 +15,7 @@ from .images import paths_of
 
 READERS = ("auto", "blender", "files")
 KNOWN = ", ".join(mesh_files.SUFFIXES)
-# Options that are about what only Blender's files have, or that Blender does.
+# Options that concern data only .blend files have, or work that Blender does.
 BY_BLENDER = {
     "scene_settings": "--scene-settings takes the panel's settings from a .blend",
     "material_maps": "--material-maps takes images from Blender's materials",
@@ -24,16 +24,16 @@ BY_BLENDER = {
 
 @dataclass
 class FileRead:
-    """One mesh of a file, as targets.Read is one of an object."""
+    """One mesh of a file that was read; targets.Read is its counterpart for objects."""
 
     arrays: bridge.MeshArrays  # as the file holds it
     measured: bridge.MeshArrays  # the same in the space that is measured
     notes: list[str]
-    reading: None = field(default=None)  # its results belong to no scene
+    reading: None = field(default=None)  # None, because the results belong to no scene
 
 
 def reads_files(arguments: argparse.Namespace) -> bool:
-    """Whether the input is read without Blender: where --reader says so, or where Blender is missing or cannot."""
+    """Whether the input is read without Blender: by --reader, or because Blender is missing or lacks the format."""
     if arguments.input is None or arguments.reader == "blender":
         return False
     suffix = arguments.input.suffix.lower()
@@ -57,7 +57,7 @@ def missing(arguments: argparse.Namespace) -> Exception:
 
 
 def refused(what: str) -> Exception:
-    """The error for what files alone do not offer."""
+    """The error for a request that needs Blender."""
     if has_blender():
         return UsageError(f"{what}; choose --reader blender and a file that Blender opens, or leave it out.")
     sentence = f"{what}, and Blender's Python module bpy is not installed here; pip install bpy, or leave it out."
@@ -65,13 +65,13 @@ def refused(what: str) -> Exception:
 
 
 def open_files(arguments: argparse.Namespace) -> list[FileMesh]:
-    """The meshes of the input."""
+    """The meshes of the input file."""
     check_options(arguments)
     return mesh_files.read(arguments.input)
 
 
 def check_options(arguments: argparse.Namespace) -> None:
-    """Refuses options that need Blender, before anything is read."""
+    """Refuses options that need Blender, before any file is read."""
     for name, what in BY_BLENDER.items():
         if getattr(arguments, name, None):
             raise refused(what)
@@ -127,7 +127,7 @@ def read_mesh(
 
 
 def map_sources(arguments: argparse.Namespace) -> MapChoice:
-    """Where displacement and normal map come from; compare has no such options."""
+    """The displacement and normal maps that the options name; compare has no such options."""
     if not hasattr(arguments, "displacement"):
         return MapChoice()
     return MapChoice(
@@ -140,7 +140,7 @@ def map_sources(arguments: argparse.Namespace) -> MapChoice:
 
 
 def add_maps(mesh: FileMesh, arrays: bridge.MeshArrays, uv_fault: str, choice: MapChoice) -> list[str]:
-    """Puts the maps, and what they need of the mesh, into its arrays; gives a sentence about each."""
+    """Adds the maps, and the mesh data that they need, to the arrays; returns a note about each map."""
     if not choice.any:
         return []
     if uv_fault:
@@ -158,6 +158,6 @@ def add_maps(mesh: FileMesh, arrays: bridge.MeshArrays, uv_fault: str, choice: M
 
 
 def writes_images(arguments: argparse.Namespace) -> bool:
-    """Whether what is asked for lies over UV coordinates, wherever it is computed."""
+    """Whether an output lies over UV coordinates, so that they are needed with any backend."""
     buffers = getattr(arguments, "dump_buffers", None) is not None
     return buffers or (hasattr(arguments, "map") and bool(paths_of(arguments)))

@@ -15,7 +15,7 @@ Rows = list[dict[str, object]]
 
 
 def paths_of(arguments: argparse.Namespace) -> list[Path]:
-    """The images that are asked for."""
+    """The paths of all images to write: those of --map, and outputs that are .exr files."""
     return [*arguments.map, *(path for path in arguments.output if path.suffix.lower() == ".exr")]
 
 
@@ -32,7 +32,7 @@ def tiles_of(name: str, arrays: MeshArrays, arguments: argparse.Namespace) -> tu
 
 
 def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: ProgressFunction | None = None) -> Rows:
-    """Writes the images of each object, named if there are several; gives what the report says of them."""
+    """Writes the images of each object, with its name if there are several; returns their rows of the report."""
     paths = paths_of(arguments)
     rows: list[Rows] = [[] for _ in paths]
     for one in baked if paths else []:
@@ -51,14 +51,14 @@ def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: Pr
 
 
 def spans_values(arguments: argparse.Namespace) -> bool:
-    """Whether .png images go from the smallest value to the largest."""
+    """Whether .png images span the range from the smallest value to the largest."""
     return not arguments.pack and arguments.png_range != "colors"
 
 
 def ends_of(
     one: Baked, tiling: udim.Tiling, arguments: argparse.Namespace, progress: ProgressFunction | None
 ) -> dict[str, tuple[float, float]]:
-    """What .png images of several tiles span, by descriptor; nothing where each image says that by itself."""
+    """The range that the .png images of several tiles share, by descriptor; empty if each image has its own."""
     pngs = any(path.suffix.lower() == ".png" for path in arguments.map)
     if len(tiling.tiles) < 2 or not pngs or not spans_values(arguments):
         return {}
@@ -96,7 +96,7 @@ def written(
 
 
 def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple[Path, list[str]]]:
-    """Where each texture goes, and what it holds: a descriptor each, or those that are packed at each radius."""
+    """The path of each texture and the values that it holds: one descriptor, or the packed ones at one radius."""
     if not packed:
         return [(place, [name]) for name, place in maps.png_paths(path, list(baked.results.values)).items()]
     suffixes = baked.results.field_reports
@@ -117,6 +117,6 @@ def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | 
 
 
 def file_name(one: Baked, baked: list[Baked]) -> str:
-    """An object's name as part of a file name; a number follows if some file system would take two for one."""
+    """An object's name as part of a file name, with a number if some file system takes two objects' names for one."""
     names = file_names.distinct([re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked])
     return next(name for name, other in zip(names, baked, strict=True) if other is one)

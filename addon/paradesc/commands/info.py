@@ -18,9 +18,9 @@ from .options import add_input
 if TYPE_CHECKING:
     import bpy
 
-# What the only UV map of a file without names is called.
+# The name of the only UV map in a file whose format has no names for UV maps.
 UV_NAME = "UVMap"
-# Counts of the mesh report that limit a bake, in words.
+# Counts of the mesh report that limit a bake, with words for people.
 DEFECTS = {
     "degenerate_triangles": "triangles without area",
     "copied_triangles": "triangles at the places of others",
@@ -45,7 +45,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Prints every mesh object, or those that --object names; gives them."""
+    """Prints every mesh object, or those that --object names; returns their descriptions."""
     check_outputs([arguments.json] if arguments.json else [])
     if file_reading.reads_files(arguments):
         meshes = file_reading.open_files(arguments)
@@ -69,13 +69,13 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 @dataclass
 class Subject:
-    """What is described: the facts that are told in any case, and the mesh."""
+    """A mesh to describe: facts that are always reported, and a function that reads the mesh."""
 
     facts: dict[str, object]
     vertices: int
     faces: int
     uv_name: str | None
-    uvs: np.ndarray | None  # (corner_count, 2) float32 of the active UV map, whatever it lacks
+    uvs: np.ndarray | None  # (corner_count, 2) float32 of the active UV map, even an unusable one
     read: Callable[[], bridge.MeshArrays]  # raises ParadescError if it cannot be read
 
 
@@ -104,7 +104,7 @@ def subject_of(target: "bpy.types.Object") -> Subject:
 
 
 def subject_of_file(mesh: FileMesh) -> Subject:
-    """A mesh of a file, which has no more than its shape; formats with one UV map give it no name."""
+    """A mesh of a file, which has only its shape; formats with one UV map do not name it."""
     uvs = mesh.arrays.corner_uvs
     facts: dict[str, object] = {
         "object": mesh.name,
@@ -126,7 +126,7 @@ def subject_of_file(mesh: FileMesh) -> Subject:
 
 
 def described(subject: Subject) -> dict[str, object]:
-    """Facts, UV map, defects, and what suits a mesh; or why it cannot be read."""
+    """The description of a mesh: facts, UV map, defects, and suggested settings; or why it cannot be read."""
     try:
         arrays = subject.read()
         with bridge.Context("reference") as context, context.mesh(arrays) as native:
@@ -159,7 +159,7 @@ def described(subject: Subject) -> dict[str, object]:
 
 
 def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict[str, int]:
-    """Bytes that a bake at the suggested settings would take on a software rasterizer, which uses the host's memory."""
+    """The bytes that a bake at the suggested settings would take on a software rasterizer, which uses main memory."""
     options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
     return native.memory(["mean_curvature"], options, "software")
 

@@ -58,7 +58,7 @@ def part(text: str) -> tuple[int, int]:
 
 @dataclass
 class Tally:
-    """What became of the assets; of a million there is room for their lines, but not for all that these say."""
+    """Counts over the finished assets, and the line of JSON of each as text, which takes less memory than its row."""
 
     lines: dict[str, str] = field(default_factory=dict)
     failures: list[dict] = field(default_factory=list)
@@ -67,7 +67,7 @@ class Tally:
     compute_seconds: float = 0.0
 
     def add(self, done: Done) -> None:
-        """Counts one more."""
+        """Counts one more asset."""
         row = done.row
         self.lines[row["file"]] = assets.line_of(row)
         self.warned += bool(row.get("warnings"))
@@ -79,7 +79,7 @@ class Tally:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Computes what is missing; gives the report on all that was asked for."""
+    """Computes the missing assets; returns the report on all assets that were asked for."""
     check(arguments)
     settings = opened_settings(arguments)
     backend = job.backend_for(settings)  # one for all machines, so that all results have the same bits
@@ -125,7 +125,7 @@ def check(arguments: argparse.Namespace) -> None:
 
 
 def asked(arguments: argparse.Namespace) -> list[str]:
-    """The assets to see to, the largest files first, so that none of these begins last."""
+    """The assets to compute, the largest files first, so that none of them starts last."""
     folder = arguments.input
     if arguments.asset:
         names = dict.fromkeys(Path(name).as_posix() for name in arguments.asset)
@@ -158,7 +158,7 @@ def size_of(path: Path) -> int:
 
 
 def work_of(arguments: argparse.Namespace, settings: job.Settings, workers: int) -> Work:
-    """What every asset needs; folders are absolute, because other machines begin elsewhere."""
+    """The settings that all assets share. Folders are absolute, as other machines have other working directories."""
     alone = workers == 1 and not arguments.dask
     threads = arguments.threads or (0 if alone else 1)
     folder, output = arguments.input.absolute(), arguments.output.absolute()
@@ -170,7 +170,7 @@ def work_of(arguments: argparse.Namespace, settings: job.Settings, workers: int)
 def spread(
     arguments: argparse.Namespace, work: Work, names: list[str], workers: int, progress: Progress
 ) -> Iterator[Done]:
-    """Computes the assets where they are to be computed; gives each as it is done."""
+    """Computes the assets here, in other processes, or on Dask's workers; yields each when it is done."""
     check = stopping(progress)
     if arguments.dask:
         with spreading.connected(arguments.dask) as client:
@@ -184,7 +184,7 @@ def spread(
 
 
 def stopping(progress: Progress) -> Callable[[], None]:
-    """Raises once Ctrl-C or SIGTERM has come; the run ends as these say."""
+    """A check that raises the exception of Ctrl-C or SIGTERM once one has come."""
 
     def check() -> None:
         if progress.signals.stopped is not None:
@@ -228,7 +228,7 @@ def report(
 
 
 def failed_checks(arguments: argparse.Namespace, failures: list[dict], count: int) -> list[str]:
-    """A sentence if assets failed; with --allow-failures only if another machine might compute them."""
+    """One sentence if assets failed; with --allow-failures only about assets that another machine might compute."""
     if arguments.allow_failures:
         failures = [row for row in failures if row["exit_code"] not in assets.LASTING]
     if not failures:

@@ -15,7 +15,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Prints the registry and the devices; gives them."""
+    """Prints the registry and the devices; returns both."""
     check_outputs([arguments.json] if arguments.json else [])
     rows = [describe(row) for row in bridge.descriptors()]
     found = [describe_device(row) for row in devices.found()]

@@ -23,7 +23,7 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
 
 
 def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Look:
-    """The look that these options ask for; otherwise is the look of what is not given."""
+    """The look that these options ask for. otherwise: the look that supplies the missing options."""
     look = otherwise or Look()
     if arguments.range or arguments.percentile is not None:
         look = replace(look, percentile=arguments.percentile, ranges=dict(arguments.range))

@@ -43,7 +43,7 @@ def make_parser() -> Parser:
 
 
 def main(words: list[str]) -> int:
-    """Runs one command; gives the exit code. Any failure is one sentence on the standard error stream."""
+    """Runs one command; returns the exit code. Any failure is one sentence on the standard error stream."""
     take_any_alphabet()
     try:
         arguments, unknown = make_parser().parse_known_args(with_also(words))
@@ -79,14 +79,14 @@ def main(words: list[str]) -> int:
 
 
 def take_any_alphabet() -> None:
-    """Lets the standard streams write what their alphabet lacks as escapes, where Python would fail."""
+    """Makes the standard streams escape characters that their encoding lacks, where Python would fail."""
     for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def sentence_of(error: BaseException) -> str:
-    """The error for people."""
+    """The error as one sentence for people."""
     if isinstance(error, (KeyboardInterrupt, Terminated)):
         return "Terminated." if isinstance(error, Terminated) else "Interrupted."
     if isinstance(error, OSError):
@@ -111,7 +111,7 @@ def prints_json(arguments: argparse.Namespace) -> bool:
 
 
 def reports_over_input(arguments: argparse.Namespace) -> bool:
-    """Whether the report, even that of a failure, would overwrite the input or the open .blend."""
+    """Whether writing the report, even one about a failure, would overwrite the input or the open .blend."""
     path: Path | None = getattr(arguments, "json", None)
     if path is None or prints_json(arguments):
         return False
@@ -145,7 +145,7 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
 
 
 def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
-    """Says why it failed, also in the report; if the report cannot be written, that gets no second sentence."""
+    """Reports the failure in all places. An error while the report is written is not reported as well."""
     with contextlib.suppress(ParadescError):
         write_report(arguments, {}, code, " ".join(sentence.split()))
     tell_farm(arguments, sentence)
@@ -153,12 +153,12 @@ def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
 
 
 def tell_farm(arguments: argparse.Namespace, sentence: str) -> None:
-    """Says why it failed to a session of Open Job Description too, if one listens."""
+    """Reports the failure to a session of Open Job Description, with --progress openjd."""
     if getattr(arguments, "progress", None) == "openjd":
         tell_openjd("fail", sentence)
 
 
 def say(sentence: str, code: int) -> int:
-    """Says why it failed, on one line."""
+    """Prints the failure on one line."""
     print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
     return code

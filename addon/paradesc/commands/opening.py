@@ -12,15 +12,15 @@ from .reading import Target
 
 @dataclass
 class Opened:
-    """The objects to work on, and sentences about how they were found."""
+    """The objects to work on, and notes about how they were found."""
 
     objects: list[Target]
     notes: list[str] = field(default_factory=list)
-    beside: list[Target] = field(default_factory=list)  # all that there are, of a file that was read without Blender
+    beside: list[Target] = field(default_factory=list)  # all meshes of a file that was read without Blender
 
 
 def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
-    """Opens the input, or takes the open scene. Gives whether a file was imported, and sentences about that."""
+    """Opens the input, or takes the open scene. Returns whether a file was imported, and notes about the import."""
     scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
         with quiet(arguments.verbose):

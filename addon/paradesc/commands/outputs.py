@@ -12,7 +12,7 @@ from ..files.results import Baked, folder_fault, write_whole
 from .common import Progress, UsageError, check_outputs, check_overwriting
 from .images import file_name, paths_of, write_images
 
-# These hold one object, or several as one in world space.
+# These formats hold one object, or several joined into one in world space.
 WRITERS: dict[str, Callable[[Path, Baked], None]] = {
     ".ply": results.write_ply,
     ".vtp": vtk_files.write_vtp,
@@ -51,7 +51,7 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
 
 
 def check_files(arguments: argparse.Namespace) -> None:
-    """Refuses what cannot be written before any file is opened."""
+    """Refuses outputs that cannot be written, before any file is opened."""
     for paths, suffixes in ((arguments.output, OUTPUT_SUFFIXES), (arguments.map, maps.SUFFIXES)):
         for path in paths:
             if path.suffix.lower() not in suffixes:
@@ -74,7 +74,7 @@ def check_files(arguments: argparse.Namespace) -> None:
 
 
 def check_domain(arguments: argparse.Namespace) -> None:
-    """Refuses what holds no values of faces, and formats for which a part of the installation is missing."""
+    """Refuses outputs that cannot hold values of faces, and formats for which a package is not installed."""
     for path in arguments.output:
         suffix = path.suffix.lower()
         if arguments.domain == "faces" and suffix not in OF_FACES:
@@ -89,7 +89,7 @@ def check_domain(arguments: argparse.Namespace) -> None:
 
 
 def check_values(arguments: argparse.Namespace, settings: job.Settings) -> None:
-    """Refuses what does not hold the values that these settings give."""
+    """Refuses outputs that do not suit the values of these settings."""
     names = settings.value_names()
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
@@ -101,7 +101,7 @@ def check_values(arguments: argparse.Namespace, settings: job.Settings) -> None:
 
 
 def check_tile_names(arguments: argparse.Namespace) -> None:
-    """Refuses a place for the numbers of UDIM tiles where nothing has tiles."""
+    """Refuses the token for UDIM tiles in paths of outputs that have no tiles."""
     images, token = paths_of(arguments), tile_names.TOKEN
     for path in images:
         if tile_names.fault(path):
@@ -118,7 +118,7 @@ def files_of(arguments: argparse.Namespace) -> list[Path]:
 
 
 def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
-    """Writes all files; gives what the report says of them."""
+    """Writes all files; returns their part of the report."""
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
     written: list[Path] = []
     for path in arguments.output:
@@ -134,7 +134,7 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
         else:
             write_whole(path, whole, results.write_npz if suffix == ".npz" else WRITERS[suffix])
         written.append(path)
-    if any(one.results.tiles for one in baked):  # which are computed now
+    if any(one.results.tiles for one in baked):  # which draws them only now
         with Progress(arguments.progress) as progress:
             described = write_images(baked, arguments, progress)
     else:
@@ -166,7 +166,7 @@ def packed_names(text: str) -> tuple[str, ...]:
 
 
 def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
-    """The folder for the buffers of one object: the given one, or if there are several objects, one in it."""
+    """The folder for the buffers of one object: the given folder, or a folder in it if there are several objects."""
     if len(baked) == 1:
         return folder
     folder.mkdir(exist_ok=True)

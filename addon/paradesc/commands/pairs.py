@@ -1,4 +1,4 @@
-"""bake from detailed objects onto low-poly ones: which belong together, and where the detailed ones come from."""
+"""Bakes from detailed objects onto low-poly ones: finds which belong together, and opens and measures them."""
 
 import argparse
 from collections.abc import Iterator
@@ -36,12 +36,12 @@ def add_pair_options(parser: Parser) -> None:
 
 
 def is_asked(arguments: argparse.Namespace) -> bool:
-    """Whether values come from other objects."""
+    """Whether the options ask for values of detailed objects."""
     return bool(arguments.from_objects or arguments.from_file or arguments.pairs)
 
 
 def check_pair_options(arguments: argparse.Namespace) -> None:
-    """Refuses what makes no sense, before any file is opened."""
+    """Refuses options that contradict each other, before any file is opened."""
     if not is_asked(arguments):
         if arguments.cage is not None:
             raise UsageError("--cage is the distance to detailed objects; give --from, --from-file or --pairs as well.")
@@ -83,7 +83,7 @@ def opened_lows(arguments: argparse.Namespace) -> Opened:
 
 @contextmanager
 def with_highs(opened: Opened, arguments: argparse.Namespace) -> Iterator[dict[Target, list[Target]]]:
-    """The detailed objects of each low-poly one; those of another file are in the open scene meanwhile."""
+    """Yields the detailed objects of each low-poly one. Those of another file are in the open scene until the end."""
     if reads_files(arguments):
         other = arguments.from_file
         yield highs_of(opened.objects, opened.beside if other is None else mesh_files.read(other), arguments)
@@ -99,7 +99,7 @@ def with_highs(opened: Opened, arguments: argparse.Namespace) -> Iterator[dict[T
 
 
 def highs_of(lows: list[Target], there: list[Target], arguments: argparse.Namespace) -> dict[Target, list[Target]]:
-    """The detailed objects of each low-poly one, among those that there are."""
+    """The detailed objects of each low-poly one, taken from the existing objects."""
     if arguments.pairs:
         return by_name(lows, there)
     (low,) = lows
@@ -120,12 +120,12 @@ def named(there: list[Target], arguments: argparse.Namespace) -> list[Target]:
 
 
 def has_faces(target: Target) -> bool:
-    """Whether there is any surface; meshes of files have one."""
+    """Whether the object has faces; meshes of files always have some."""
     return isinstance(target, FileMesh) or bool(target.data.polygons)
 
 
 def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target]]:
-    """The detailed objects of each low-poly one by their names; refuses one without any."""
+    """The detailed objects of each low-poly one, by names; refuses a low-poly one without any."""
     among = {item.name: item for item in there}
     pairs = pair_names.pairs_of(dict.fromkeys([*(low.name for low in lows), *among]))
     found = {low: [among[name] for name in pairs.get(low.name, []) if name in among] for low in lows}
@@ -139,13 +139,13 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 
 
 def read_low(low: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
-    """Reads the low-poly object, whose own normals are not measured."""
+    """Reads the low-poly object; its own normals are not measured."""
     options = replace(settings.options, normals="fitted")
     return read_object(low, replace(settings, options=options), arguments)
 
 
 def read_high(high: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
-    """Reads a detailed object, which is measured at its vertices and needs no UV map for that."""
+    """Reads a detailed object. It is measured at its vertices and needs no UV map."""
     if isinstance(high, FileMesh):
         options = replace(settings.options, evaluate="vertex")
         return read_mesh(high, replace(settings, options=options), arguments, has_images=False)
@@ -154,7 +154,7 @@ def read_high(high: Target, settings: job.Settings, arguments: argparse.Namespac
 
 
 def part_of(target: Target, read: "Read | FileRead") -> transfer.Part:
-    """The object as it stands in the world, as it was read."""
+    """The object as transfer takes it: as it was read, with its place in the world."""
     return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
 
 
@@ -167,13 +167,13 @@ def run_onto(
     tiles: tuple[int, ...],
     progress: object,
 ) -> tuple[job.Results, list[str]]:
-    """Measures the detailed objects for one low-poly one, which has been read; sentences about how they were read."""
+    """Measures the detailed objects for one low-poly object; also returns notes about how they were read."""
     if read.arrays.map_fault:
         raise InputError(f'The mesh "{mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
     parts, notes = [], []
     for high in highs:
         found = read_high(high, settings, arguments)
-        # What is said about where its results would go belongs to no detailed object.
+        # The detailed object itself gets no results, so notes about where they would go are left out.
         notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
         parts.append(part_of(high, found))
     size, cage = settings.options.texels, arguments.cage or 0.0

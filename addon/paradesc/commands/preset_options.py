@@ -1,4 +1,4 @@
-"""What --preset means: a preset of ours, of the user or in a file, which supplies what no option gives."""
+"""The option --preset: finds the preset, which is built in, the user's or a file, and fills in options not given."""
 
 from pathlib import Path
 
@@ -9,24 +9,24 @@ from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
 from .common import UsageError, has_blender
 
-# What the command line says by the suffix of an image's file.
+# The members that have no effect, because the suffix of an image's file decides.
 WITHOUT_OPTION = ("image_format",)
 
 
 def is_file(name: str) -> bool:
-    """Whether --preset names a file and no preset: by its suffix, or by a folder in front of a file that is there."""
+    """Whether --preset names a file: by its suffix, or because it is the path of an existing file in another folder."""
     path = Path(name)
     return path.suffix.lower() in old_presets.SUFFIXES or (path.name != name and paths.is_file(path))
 
 
 def check_preset(name: str | None) -> None:
-    """Refuses a file that is no sound preset, before anything else is read."""
+    """Refuses an invalid preset file before anything else is read."""
     if name is not None and is_file(name):
         preset_rules.sound(Path(name))
 
 
 def found_preset(name: str | None) -> Content | None:
-    """The preset of ours or in a file, or where Blender is the one in one of its folders, that is called so."""
+    """The preset that --preset names: a built-in one, a file, or with Blender one of its preset folders."""
     if name is None:
         return None
     if name in PRESETS:
@@ -41,7 +41,7 @@ def found_preset(name: str | None) -> Content | None:
 
 
 def preset_in_folders(name: str) -> Content:
-    """The preset in one of Blender's folders that is called so."""
+    """The preset of this name in one of Blender's folders."""
     from ..settings import preset_folders
 
     row = preset_folders.row_named(name)
@@ -53,17 +53,17 @@ def preset_in_folders(name: str) -> Content:
 
 
 def with_preset(content: Content | None, base: job.Settings | None) -> job.Settings | None:
-    """The settings with those of a preset; the device, the space and the limit of memory stay."""
+    """The settings with those of the preset; device, space and memory limit stay."""
     return base if content is None else preset_rules.settings_of(content, base or job.Settings())
 
 
 def look_of_preset(content: Content | None, otherwise: Look | None) -> Look | None:
-    """The look that a preset asks for, if it says anything of colors."""
+    """The look that a preset asks for, if it has colors."""
     return otherwise if content is None else preset_rules.look_of(content, otherwise)
 
 
 def notes_of_preset(content: Content | None, has_colors: bool) -> list[str]:
-    """One sentence about what a preset says that a command has no option for."""
+    """One sentence about members of a preset that have no effect in this command."""
     if content is None:
         return []
     unused = [name for name in content.image or {} if name in WITHOUT_OPTION]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ..scene.targets import Read
 
-# What commands work on: an object of Blender's scene, or a mesh of a file that was read without Blender.
+# A command works on an object of Blender's scene, or on a mesh of a file that was read without Blender.
 Target = Union["bpy.types.Object", FileMesh]
 
 
@@ -37,7 +37,7 @@ def read_object(target: Target, settings: job.Settings, arguments: argparse.Name
 
 
 def mesh_name(target: Target) -> str:
-    """What objects have in common that share a mesh."""
+    """The name of the object's mesh; objects that share a mesh have the same."""
     return target.name if isinstance(target, FileMesh) else target.data.name_full
 
 

@@ -1,4 +1,4 @@
-"""Turns Ctrl-C and SIGTERM into exceptions, or into a flag that the work looks at. Never imports bpy."""
+"""Turns Ctrl-C and SIGTERM into exceptions, or into a flag that the work checks. Never imports bpy."""
 
 import ctypes
 import signal
@@ -13,11 +13,11 @@ NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Terminated(BaseException):
-    """The process was asked to end, by SIGTERM."""
+    """The process was asked to end by SIGTERM."""
 
 
 class Signals:
-    """Handles both signals for a while. They raise, or set stopped where an exception would have to pass through C."""
+    """Handles both signals while open. They raise, or set stopped where an exception would have to pass through C."""
 
     def __init__(self, raises: bool = False) -> None:
         self.raises = raises
@@ -43,20 +43,20 @@ class Signals:
         self.former.clear()
 
     def stop(self, number: int, _frame: "FrameType | None") -> None:
-        """Remembers the signal until somebody looks, or raises."""
+        """Raises, or remembers the signal until the work checks for it."""
         self.stopped = Terminated if number == signal.SIGTERM else KeyboardInterrupt
         if self.raises:
             raise self.stopped
 
 
 def swap_native(number: int, handler: int) -> int | None:
-    """Sets the C handler of a signal and gives the former one, which Python does not know if Blender has set it."""
+    """Sets the C handler of a signal and returns the former one, which Python does not know if Blender has set it."""
     swap = native_function()
     return None if swap is None else (swap(number, int(handler)) or 0)
 
 
 def native_function() -> Callable[[int, int], int | None] | None:
-    """C's signal(), if it can be reached."""
+    """C's signal(), or None if it cannot be reached."""
     try:
         function = ctypes.CDLL(None).signal
     except (OSError, TypeError, AttributeError):

@@ -24,29 +24,29 @@ if TYPE_CHECKING:
     from distributed import Client
     from distributed import Future as DaskFuture
 
-# Dask's scheduler keeps something of each task that it knows, so it hears of so many at a time.
+# Dask's scheduler keeps state for each known task, so only so many tasks are submitted at a time.
 WINDOW = 2000
-# Seconds until a scheduler counts as absent.
+# Seconds without an answer until a scheduler counts as absent.
 CONNECTING = 10
-# Seconds between two looks at whether the run has to stop.
+# Seconds between two checks whether the run has to stop.
 PATIENCE = 0.1
 SHORT_PATIENCE = 0.005
 DIED = "The process that computed it was ended from outside, perhaps because memory was short; try --workers 1."
 DIED_ON_WORKERS = "Every Dask worker that computed it was ended, perhaps because memory was short."
 
-# Called while nothing is done yet; raises if the run has to stop.
+# A function that is called while no asset is done; it raises if the run has to stop.
 Check = Callable[[], None]
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """The number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def in_blender() -> bool:
-    """Whether this is Blender itself, whose Python cannot start others like it."""
+    """Whether this is the Blender executable, whose Python cannot start worker processes."""
     blender = sys.modules.get("bpy")
     return blender is not None and bool(blender.app.binary_path)
 
@@ -55,7 +55,7 @@ def in_blender() -> bool:
 
 
 def on_processes(work: Work, names: list[str], workers: int, check: Check) -> Iterator[Done]:
-    """Computes assets in processes of their own; one that dies takes no other asset with it."""
+    """Computes assets in separate processes; one that dies does not affect other assets."""
     left = dict.fromkeys(names)
     while left:
         try:
@@ -63,7 +63,7 @@ def on_processes(work: Work, names: list[str], workers: int, check: Check) -> It
                 del left[done.row["file"]]
                 yield done
         except BrokenProcessPool:
-            for name in list(left)[: 4 * workers]:  # one by one: whoever ends a process of its own is known then
+            for name in list(left)[: 4 * workers]:  # one by one, so that an asset that ends its process is known
                 del left[name]
                 yield alone(work, name, check)
 
@@ -80,7 +80,8 @@ def alone(work: Work, name: str, check: Check) -> Done:
 def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator[Done]:
     """Computes assets in a pool, nearly in their order. Raises BrokenProcessPool if a process dies.
 
-    No more than four times as many as there are processes are under way, and these are the first of what is left then.
+    At most four times as many assets as processes are under way, so an asset that ends its process is among so many of
+    the first that are left.
     """
     others = set(multiprocessing.active_children())
     # Not forked: the native library may have threads, which a fork would lose in the middle of their work.
@@ -96,12 +97,12 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
 
 
 def begin_process() -> None:
-    """Leaves Ctrl-C to the process that asks, which ends this one: what it writes is whole or not there."""
+    """Leaves Ctrl-C to the main process, which ends this one. Files are written whole, so no half file is left."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def windowed(submit: Callable[[str], Future], names: list[str], window: int, check: Check) -> Iterator[Done]:
-    """Submits names as earlier ones are done, so many at a time."""
+    """Submits names while earlier ones finish, with at most window of them under way."""
     waiting = iter(names)
     running = {submit(name) for name in islice(waiting, window)}
     while running:
@@ -115,7 +116,7 @@ def windowed(submit: Callable[[str], Future], names: list[str], window: int, che
 
 
 def ended(work: Work, name: str, sentence: str) -> Done:
-    """The row of an asset whose process died."""
+    """The row of an asset whose process died, which is also written."""
     row = {"file": name, "content_hash": None, "settings_key": work.key}
     row = assets.failed(row, sentence, EXIT_FAILED)
     assets.write_row(work, row)
@@ -141,12 +142,12 @@ def connected(address: str) -> "Client":
 
 
 def on_dask(work: Work, names: list[str], client: "Client", check: Check) -> Iterator[Done]:
-    """Computes assets on Dask's workers, which find the folders at the same paths; Dask repeats what one leaves."""
+    """Computes assets on Dask's workers, which must find the folders at the same paths. Dask repeats a lost asset."""
     from distributed import as_completed
 
     waiting = iter(names)
     asset_of: dict[str, str] = {}
-    run = secrets.token_hex(4)  # a run asks anew for what another one asked for
+    run = secrets.token_hex(4)  # a new run computes again, instead of getting Dask's results of an earlier one
 
     def submit(name: str) -> "DaskFuture":
         future = client.submit(assets.measure, work, name, pure=False, key=f"paradesc-{run}-{name}")
@@ -171,7 +172,7 @@ def on_dask(work: Work, names: list[str], client: "Client", check: Check) -> Ite
 
 
 def result_of(work: Work, name: str, future: "DaskFuture") -> Done:
-    """What a worker gave; a row that says so if it ended every worker that tried."""
+    """The result of a worker; if every worker that tried the asset died, a row that says so."""
     from distributed import KilledWorker
 
     try:

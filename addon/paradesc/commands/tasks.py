@@ -28,14 +28,15 @@ from .reading import Target
 DIVIDED = ("animate", "library")
 FRAMES_A_TASK = 10
 PARTS = 16  # of a library in a bundle, unless --chunk says how many assets each has
-# What the tasks get from here, or would get in each other's way with.
+# OURS are options that each task gets from here. REFUSED are options with which tasks would write the same files or
+# compute the same parts.
 OURS = {"animate": ("--frames",), "library": ()}
 REFUSED = {"animate": ("--json",), "library": ("--json", "--part", "--asset", "--dask")}
 
 
 @dataclass
 class Listed:
-    """The tasks of a command, with what a bundle's parameters say of them."""
+    """The tasks of a command, and the values of a bundle's parameters."""
 
     tasks: list[dict]
     parameters: dict[str, object]
@@ -97,7 +98,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def own_options(arguments: argparse.Namespace) -> list[str]:
-    """Takes the options of this command out of the words of the other; gives the words that are left."""
+    """Parses the options of this command that stand among the other command's words; returns the remaining words."""
     own = Parser(prog="paradesc tasks", add_help=False, allow_abbrev=False)
     add_own_options(own)
     found, words = own.parse_known_args(arguments.words)
@@ -108,7 +109,7 @@ def own_options(arguments: argparse.Namespace) -> list[str]:
 
 
 def check(arguments: argparse.Namespace, words: list[str]) -> None:
-    """Refuses what makes no sense, before any file is opened."""
+    """Refuses words that cannot be divided into tasks, before any file is opened."""
     if not words and arguments.flamenco is None:
         raise UsageError(f"There is no command to divide; give {' or '.join(DIVIDED)}, its input and its options.")
     if words and words[0] not in DIVIDED:
@@ -127,7 +128,7 @@ def check(arguments: argparse.Namespace, words: list[str]) -> None:
 
 
 def parsed_words(words: list[str]) -> argparse.Namespace:
-    """What the other command makes of its words, with all that it refuses."""
+    """Parses the words of the other command, which raises the same errors as that command."""
     from .main import make_parser
 
     parsed, unknown = make_parser().parse_known_args(words)
@@ -138,7 +139,7 @@ def parsed_words(words: list[str]) -> argparse.Namespace:
 
 
 def tasks_of(words: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
-    """The tasks of one of both commands."""
+    """The tasks of either command."""
     rest, _ = bundles.without_options(words, OURS[words[0]])
     start = [*program_of(arguments), *rest]
     if words[0] == "animate":
@@ -147,7 +148,7 @@ def tasks_of(words: list[str], parsed: argparse.Namespace, arguments: argparse.N
 
 
 def program_of(arguments: argparse.Namespace) -> list[str]:
-    """The words that commands begin with."""
+    """The words with which each task's command begins."""
     return shlex.split(arguments.program or "paradesc")
 
 
@@ -166,7 +167,7 @@ def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
 
 @dataclass
 class Scene:
-    """What is known of a scene without or with Blender, or of a sequence of files."""
+    """The facts about a scene or a sequence of files that the tasks depend on."""
 
     frames: Sequence[int]
     root: Path  # of all frames
@@ -222,18 +223,18 @@ def chunks(frames: Sequence[int], longest: int) -> Iterator[range]:
 
 
 def written_frames(frames: range) -> str:
-    """Frames as --frames takes them."""
+    """Frames in the notation of --frames."""
     text = f"{frames[0]}:{frames[-1]}" if len(frames) > 1 else f"{frames[0]}"
     return text if frames.step == 1 or len(frames) == 1 else f"{text}:{frames.step}"
 
 
 def absolute(path: Path) -> str:
-    """A path as other machines need it."""
+    """The absolute path, since other machines have other working directories."""
     return str(path.absolute())
 
 
 def scene_of(parsed: argparse.Namespace) -> Scene:
-    """Opens the scene for its frames, objects and triangles; where there is no Blender, the options have to do."""
+    """Opens the scene for its frames, objects and triangles. Without Blender, the options have to supply them."""
     frames = animate.parse_frames(parsed.frames)
     try:
         opened = open_objects(parsed)
@@ -269,7 +270,7 @@ def triangle_count(target: Target) -> int:
 
 
 def assets_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
-    """One task an asset, or one for each of equal parts; then one that lists what they left."""
+    """A task for each asset, or for each of equal parts; then a task that lists their results."""
     library.check(parsed)
     settings = opened_settings(parsed)
     names = [name for name, _ in library.found(parsed.input)]
