@@ -10,19 +10,20 @@ from .. import bridge
 # a neighborhood.
 RADIUS_IN_EDGES = 2.0
 LARGEST_RADIUS = 0.25
-# A mask sees the smallest detail at a radius of one and a half edges. Of dense meshes it is at half a percent of the diagonal;
-# on coarse ones what bends within more than four percent is most of the surface.
-# Images show detail whatever the faces are.
+# A mask resolves the finest detail at a radius of one and a half mean edges. On dense meshes that is half a percent of
+# the diagonal; on coarse meshes, most of the surface bends within more than four percent. Images resolve detail
+# whatever the size of the faces.
 MASK_RADIUS_IN_EDGES, LEAST_MASK_RADIUS, LARGEST_MASK_RADIUS, LARGEST_IN_IMAGES = 1.5, 0.005, 0.04, 0.015
-# Larger or smaller masks, and openness, which looks at the space around. A radius below the mean edge shows facets.
+# Factors of that radius: for broader and finer masks, and for openness, which looks further around. At a radius below
+# the mean edge values show facets.
 SIZES = {"fine": 0.6, "medium": 1.0, "broad": 2.5}
 MASKS = {"cavity": 1.0, "convexity": 1.0, "ambient_openness": 4.0}
-# So many triangles tell the mean edge.
+# So many triangles suffice to estimate the mean edge.
 ENOUGH_TRIANGLES = 100_000
 USUAL_RADIUS = bridge.Options().radius
 LEAST_TEXELS = 4.0
 BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
-# About the share of its square that an unwrap of our own fills.
+# The share of the UV square that our own unwrap fills, roughly.
 UNWRAPPED_SHARE = 0.6
 # Charts that the UV map stretches more than this are scaled back by the library.
 LARGEST_STRETCH = 2.0**1.5
@@ -48,7 +49,7 @@ def texels_per_length(arrays: bridge.MeshArrays) -> float:
 
 
 def stretches(corners: np.ndarray, uvs: np.ndarray) -> np.ndarray:
-    """(n,) how many times longer one direction of (n, 3, 3) triangles is in (n, 3, 2) UVs than the one across it."""
+    """(n,) ratio of the larger to the smaller principal stretch of (n, 3, 3) triangles in (n, 3, 2) UVs."""
     (e1, e2), (d1, d2) = ((v[:, 1] - v[:, 0], v[:, 2] - v[:, 0]) for v in (corners, uvs))
     along_u, along_v = e1 * d2[:, 1:] - e2 * d1[:, 1:], e2 * d1[:, :1] - e1 * d2[:, :1]
     area = np.linalg.norm(np.cross(along_u, along_v), axis=1)
@@ -116,7 +117,7 @@ def fitted_radius(
 def share_of_large_faces(positions: np.ndarray, triangles: np.ndarray, creases: np.ndarray) -> float:
     """The share of the area in (n, 3) triangles all of whose corners lie on creases, (k, 2) vertices each.
 
-    Values at vertices cannot show such a mask: whatever is true of the edge is painted over the whole face.
+    On such a face values at vertices cannot show a mask: the whole face gets the value of its edges.
     """
     on_crease = np.zeros(len(positions), bool)
     on_crease[creases.reshape(-1)] = True

@@ -16,12 +16,12 @@ WRITTEN = 9
 
 
 def radius_member(group: object) -> str:
-    """The name of the radius that the chosen unit uses."""
+    """The name of the setting that holds the radius in the chosen unit."""
     return {"diagonal": "radius_percent", "absolute": "radius_absolute"}.get(group.radius_unit, "radius_edges")
 
 
 def share(percent: float) -> float:
-    """A percentage as a share: of 1.1 the very float that is written 0.011, which 1.1 / 100 is not."""
+    """A percentage as a fraction, rounded as decimals are: 1.1 gives the float 0.011, which 1.1 / 100 does not."""
     written = Decimal(f"{percent:.{WRITTEN}g}")
     return float(written.scaleb(-2)) if float(written) == percent else percent / 100
 
@@ -49,7 +49,7 @@ def more_radii(group: object) -> tuple[float, ...]:
 
 
 def settings_fault(group: object) -> str:
-    """One sentence about what is wrong with settings that each are within their limits, or ""."""
+    """One sentence about settings that are each within their limits but do not fit together, or ""."""
     try:
         more_radii(group)
     except ParadescError as error:
@@ -79,7 +79,7 @@ def settings_of(group: object, memory_limit: int = 0) -> Settings:
 
 
 def look_fault(group: object) -> str:
-    """One sentence about what is wrong with colors that each are within their limits, or ""."""
+    """One sentence about color settings that are each within their limits but do not fit together, or ""."""
     if group.span == "fixed" and not group.maximum > group.minimum:
         return f"The range ends at {group.maximum:g}, which is not above {group.minimum:g}; set a larger maximum."
     return ""

@@ -31,21 +31,22 @@ VIRIDIS = np.array(
 
 # The color of a value that does not exist, in maps that contain grey.
 UNDEFINED_IN_GREY = (0.55, 0.38, 0.72)
-# The names for "what suits the descriptor", and for its own range or the percentiles of its values.
+# AUTOMATIC stands for the map that suits the descriptor, and for the range of the registry or of percentiles.
 AUTOMATIC = "auto"
 SEQUENTIAL, DIVERGING, GREY = "viridis", "blue-red", "grey"
-# Artists multiply these with other colors, so they are grey unless another map is asked for.
+# Masks, which artists multiply with other colors. They are grey unless another map is chosen.
 MASKS = {"cavity", "convexity", "ambient_openness"}
-# Those of them that are black on a plane.
+# The masks that are black on a plane.
 EDGES = {"cavity", "convexity"}
-# White in a mask is the 98th percentile of what is not black, or less: this percentage of the surface is brighter than half
-# of it. It is not below the smallest share of the mask's range, so that what is nearly flat stays nearly black.
+# White in a mask is the 98th percentile of the values that are not black, but low enough that this percentage of the
+# surface is brighter than half of white. It is not below the smallest share of the mask's range, so that nearly flat
+# areas stay nearly black.
 NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.05
 
-# The shares of a color map up to which it is nearly black and from which on it is nearly white. A mask of which more
-# than MOST_EXTREME is one of them shows little.
+# The shares of a color map up to which it counts as nearly black, and from which on as nearly white. A mask shows
+# little if more than MOST_EXTREME of it is one of the two.
 DARK, BRIGHT, MOST_EXTREME = 0.05, 0.95, 0.8
-# One of which more than this share is nearly black gives way to another mask of the same bake that has less.
+# A mask of which more than this share is nearly black gives way to another mask of the same bake with a smaller share.
 TELLING = 0.6
 
 
@@ -57,7 +58,7 @@ class ColorMap:
     label: str
     description: str
     diverging: bool
-    function: Callable[[np.ndarray], np.ndarray]  # (n,) shares to (n, 3) display colors
+    function: Callable[[np.ndarray], np.ndarray]  # (n,) positions in [0, 1] to (n, 3) display colors
     undefined: tuple[float, float, float] = UNDEFINED_COLOR
 
 
@@ -92,7 +93,7 @@ class ValueRange:
 
     @property
     def color_map(self) -> ColorMap:
-        """The map itself."""
+        """The color map of this name, or the default one for a range of this kind."""
         return MAPS.get(self.map_name) or MAPS[DIVERGING if self.diverging else SEQUENTIAL]
 
     def shares(self, values: np.ndarray) -> np.ndarray:
@@ -116,11 +117,11 @@ class Look:
     levels: Levels = Levels()
 
     def fixed(self, descriptor: Descriptor) -> tuple[float, float] | None:
-        """The range asked for, if there is one."""
+        """The fixed range of a descriptor, or None."""
         return self.ranges.get(descriptor.name) or self.ranges.get("")
 
     def is_automatic(self, diverging: bool) -> bool:
-        """Whether no range is asked for, nor for diverging values another middle or only the side that they have."""
+        """Whether no range, percentile, other neutral value or asymmetry is set, so that the values decide alone."""
         is_usual = not diverging or (self.symmetric and self.neutral is None)
         return is_usual and not self.ranges and self.percentile is None
 
@@ -262,7 +263,7 @@ def value_range(
 
 
 def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[np.ndarray]]]) -> Look:
-    """The look with the range that all meshes together have, of each descriptor with its radius and their values."""
+    """The look with one range for each descriptor over the values of all meshes."""
     if look.ranges:
         return look
     ranges = {}
@@ -273,7 +274,7 @@ def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[np.ndar
 
 
 def strong(values: np.ndarray, areas: np.ndarray | None, low: float, high: float) -> float:
-    """The value that is white in a mask."""
+    """The value that is drawn white in a mask."""
     defined = np.isfinite(values)
     shares = (values[defined].astype(np.float64) - low) / (high - low)
     weights = np.ones(len(shares)) if areas is None else areas[defined]
@@ -295,7 +296,7 @@ def quantile(values: np.ndarray, weights: np.ndarray, percent: float) -> float:
 
 
 def most_telling(dark: list[float]) -> int:
-    """The place of the first mask, by the shares that are nearly black, unless it shows little and another one more."""
+    """The index of the mask to show: the first, unless most of it is nearly black; then the least black one."""
     return 0 if dark[0] <= TELLING else dark.index(min(dark))
 
 
@@ -305,7 +306,7 @@ def map_name(descriptor: Descriptor, look: Look) -> str:
 
 
 def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
-    """What the middle of a diverging map stands for; None for halfway."""
+    """The value that the middle of a diverging map stands for; None for the middle of the range."""
     if look.neutral is not None:
         return look.neutral
     if not descriptor.is_signed:
@@ -314,7 +315,7 @@ def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
 
 
 def percentiles(values: np.ndarray, percent: float) -> tuple[float, float]:
-    """The two bounds of (n,) values that leave a percentage outside on either side."""
+    """The bounds of (n,) values that leave a percentage of them outside on either side."""
     finite = np.asarray(values, np.float64)[np.isfinite(values)]
     return (0.0, 0.0) if finite.size == 0 else tuple(np.percentile(finite, [percent, 100 - percent]))
 
@@ -328,7 +329,7 @@ def about_neutral(bounds: tuple[float, float], neutral: float, smallest: float, 
 
 
 def smallest_half(descriptor: Descriptor, radius: float) -> float:
-    """Half the smallest range worth showing around a neutral value; below it everything is neutral."""
+    """Half the smallest range that is worth showing around a neutral value. Smaller differences count as neutral."""
     if descriptor.map_degree > 0 and radius > 0:  # differences of a map without unit, to a power
         return FLATNESS**descriptor.map_degree * radius**descriptor.length_power
     if descriptor.length_power >= 0 or not radius > 0:

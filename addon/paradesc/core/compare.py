@@ -119,7 +119,7 @@ def row(name: str, device: job.Results, reference: job.Results) -> dict[str, obj
 
 
 def spread_note(row: dict[str, object]) -> str:
-    """Says that the values of a row hardly differ, or ""."""
+    """A note if the values of a row hardly differ, or ""."""
     if not row["spread"] < SMALL_SPREAD:
         return ""
     return f"the values of {row['descriptor']} differ by {100 * row['spread']:.2g} % only, which errors count against"
@@ -143,7 +143,7 @@ def compare(
 
 
 def staged(progress: bridge.ProgressFunction | None, name: str, start: float) -> bridge.ProgressFunction | None:
-    """Turns the progress of one half of the work into that of both."""
+    """Turns the progress of one half of the work into that of the whole."""
     if progress is None:
         return None
     return lambda stage, fraction: progress(f"{name}, {stage}", start + fraction / 2)

@@ -78,7 +78,7 @@ class Pool:
             context.close()
 
     def leave_to_other_process(self) -> None:
-        """Makes the pool of a forked process usable: the threads that hold the lock or compute are none of its own."""
+        """Makes the pool usable in a forked process, which lacks the threads that may hold the lock or compute."""
         self.lock = threading.Lock()
         for slot in self.used:
             slot.sound = False
@@ -90,7 +90,7 @@ if hasattr(os, "register_at_fork"):
 
 
 class Lease:
-    """A context for a while. Whoever makes meshes of it has to close them."""
+    """A context that is lent out. Meshes made with it must be closed before it is given back."""
 
     def __init__(
         self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0, threads: int = 0
@@ -104,7 +104,7 @@ class Lease:
             self._slot.sound = False
 
     def leave(self) -> None:
-        """Gives the context back with the next lease; without waiting for a lock, as the garbage collector needs it."""
+        """Lets the next lease give the context back. It takes no lock, since the garbage collector may call it."""
         slot, self._slot = self._slot, None
         if slot is not None:
             POOL.left.append(slot)
@@ -125,7 +125,7 @@ class Lease:
 
 
 def close_idle() -> None:
-    """Frees the devices that nobody uses."""
+    """Frees the devices that are not in use."""
     with POOL.lock:
         contexts = list(POOL.idle.values())
         POOL.idle.clear()

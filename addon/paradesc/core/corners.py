@@ -11,7 +11,7 @@ from .threads import go_on
 THRESHOLD = 0.05  # of the largest response
 ATTRIBUTE = "harris_corner"
 WINDOW_REACH = 2.0  # in sigma; how far the response looks: nearer corners cannot be told apart
-# What one step takes, so that it is short: vertices or triangles, places, and places of rings.
+# The sizes of one step, which is short so that it can be cancelled: vertices or triangles, places, places of rings.
 PART, GROUP, RING = 1 << 16, 1 << 14, 1 << 14
 
 
@@ -24,7 +24,7 @@ class Corners:
 
 
 def check_threshold(threshold: float) -> None:
-    """Refuses what is no share of the largest response; what the library computes has its limits there."""
+    """Refuses a threshold that is not a share of the largest response; the library, which does not know it, cannot."""
     if not 0 < threshold <= 1:
         sentence = f"The corner threshold is {threshold:g}; it must be above 0 and at most 1."
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
@@ -94,19 +94,19 @@ def places(positions: np.ndarray, step: Callable[[], None]) -> tuple[np.ndarray,
 
 @dataclass
 class Heights:
-    """Which of two places is higher: that of the larger value; of equal ones, that of the vertex that comes first."""
+    """An order of places by value; of equal values, the place whose vertex comes first is higher."""
 
     value: np.ndarray  # (place_count,) float64
     first: np.ndarray  # (place_count,) the first vertex of each
 
     def above(self, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """(n,) bool: one place (n,) is higher than the other (n,)."""
+        """(n,) bool: whether each of the places (n,) is higher than the other (n,)."""
         mine, theirs = self.value[ones], self.value[others]
         return (mine > theirs) | ((mine == theirs) & (self.first[ones] < self.first[others]))
 
 
 def leave_peaks(peak: np.ndarray, heights: Heights, triangles: np.ndarray, step: Callable[[], None]) -> None:
-    """Leaves out of peak (place_count,) bool every place with a higher neighbor."""
+    """Unmarks in peak (place_count,) bool every place that has a higher neighbor."""
     for start in range(0, len(triangles), PART):
         part = triangles[start : start + PART]
         for corner in range(3):
@@ -124,7 +124,7 @@ class Around:
     of_corners: np.ndarray  # (corner_count,) the place of each corner
 
     def neighbors(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All neighbors of all places, some of them twice, and to which row of places each belongs."""
+        """The neighbors of places, some of them twice, as two arrays: the row in places, and the neighbor."""
         counts = self.begin[places + 1] - self.begin[places]
         rows = np.repeat(np.arange(len(places)), counts)
         within = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -35,7 +35,7 @@ class Device:
 
     @property
     def label(self) -> str:
-        """What a menu shows."""
+        """The label of the device in menus."""
         return f"{TITLES[self.backend]}: {self.name.split(' (')[0] if self.name else 'none'}"
 
 
@@ -58,7 +58,7 @@ def graphics_cards() -> list[Device]:
 
 
 def first_of(backend: str) -> Device:
-    """The device that a backend takes by itself."""
+    """The device that a backend chooses by itself."""
     try:
         with bridge.Context(backend) as context:
             return Device(backend, -1, context.device)
@@ -67,13 +67,13 @@ def first_of(backend: str) -> Device:
 
 
 def about(backend: str) -> str:
-    """Says what a backend is, or why it is missing."""
+    """The description of a backend, and why it is missing if it is."""
     rows = [row.missing for row in found() if row.backend == backend and row.missing] if backend != "auto" else []
     return " – ".join([ABOUT.get(backend, ""), *rows]).rstrip(".")
 
 
 def label_of(backend: str, index: int) -> str:
-    """What the panel shows of a choice, without asking the devices."""
+    """The panel's label of a choice. Devices are not queried for it, so it uses those that are known already."""
     if backend == "auto":
         return TITLES[backend]
     if found.cache_info().currsize:

@@ -13,11 +13,11 @@ from ..bridge import InputError, MeshArrays, ProgressFunction, abi
 from . import advice, job, texel_centers, udim
 
 DOMAINS = ("vertices", "faces")
-# The corners of a triangle around a texel's middle, in texels: so few of them that wherever in the triangle that middle
-# is, none of its border comes near enough to another texel's middle for that texel to be evaluated on it.
+# The corners of a triangle around a texel's middle, in texels. They are so close that, wherever that middle lies in the
+# triangle, its border never comes near enough to another texel's middle for that texel to be evaluated on it.
 AROUND = np.array([(-1, 0), (1, -1), (0, 1)]) / 8
 LOW_COVERAGE = 0.9  # below which the mask says so, as at vertices
-# A report's counts that are of the UV map, which here is none of the mesh's.
+# Counts in the report that concern the UV map, which here is not the mesh's own.
 OF_UV_MAPS = (
     "zero_uv_area_triangles", "flipped_triangles", "charts", "seam_edges", "self_seam_edges", "unlinked_edges",
     "uv_remapped",
@@ -66,7 +66,7 @@ def check(arrays: MeshArrays, settings: job.Settings) -> None:
 
 
 def with_a_texel_each(arrays: MeshArrays, faces: np.ndarray, count: int, side: int) -> MeshArrays:
-    """The mesh with a UV map of so many texels, in which each face has the one of its number at its middle."""
+    """The mesh with a UV map of side × side texels, in which each face's middle lies on the texel of its number."""
     corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
     chosen, weights = middles(corners, faces, count)
     shown = np.flatnonzero(chosen >= 0)
@@ -109,7 +109,7 @@ def weights_at(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
 def at_faces(
     found: job.Results, settings: job.Settings, laid: MeshArrays, faces: np.ndarray, count: int
 ) -> job.Results:
-    """The results with the values of the texels, and without what belongs to vertices."""
+    """The results with the texels' values as values of faces, without results that only vertices have."""
     values = {name: picture.reshape(-1, *picture.shape[2:])[:count] for name, picture in found.maps.items()}
     coverages = [values.pop(name) for name in list(values) if name.startswith("coverage")]
     coverage = np.minimum.reduce(coverages)
@@ -131,7 +131,7 @@ def at_faces(
 
 
 def areas_of_faces(laid: MeshArrays, faces: np.ndarray, count: int) -> np.ndarray:
-    """(count,) float64 areas."""
+    """(count,) float64 areas of faces."""
     return np.bincount(faces, advice.double_areas(laid.positions[laid.triangle_vertices]) / 2, count)
 
 

@@ -35,9 +35,9 @@ def narrowed(
     compute: Callable[[Settings], Results],
     values_of: Callable[[Results], dict[str, np.ndarray]],
 ) -> Results:
-    """Computes with the radius that settings have been fitted with, or with half of it and so on.
+    """Computes with the fitted radius, and then with halves of it as long as that improves a mask.
 
-    A half is better where a mask is bright on less of the surface than before, which was too much.
+    A half is better if a mask that was bright on too much of the surface is bright on less of it.
     """
     results = compute(settings)
     share = bright_share(results, values_of(results))
@@ -54,7 +54,7 @@ def narrowed(
 
 
 def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
-    """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
+    """The share of the surface on which a mask exceeds half of its range; the largest of several masks."""
     found = [0.0]
     for name in EDGES & values.keys():
         areas = results.areas if values is results.values else np.ones(values[name].shape)

@@ -31,7 +31,7 @@ UNDEFINED_MASK = "paradesc_mask"
 
 @dataclass
 class Settings:
-    """What to compute, how and where.
+    """The settings of a computation: descriptors, options and device.
 
     Radii beside the options' own are computed on the same baked buffers; all values are then named after their radius.
     """
@@ -80,13 +80,13 @@ class Transfer:
 
 
 class OfTiles(Protocol):
-    """Evaluates one UDIM tile after another, so that memory holds the texels of one."""
+    """Evaluates one UDIM tile after another, so that only one tile's texels are in memory."""
 
     def results_of(self, tile: int, progress: ProgressFunction | None) -> "Results":
-        """The results with what this tile is drawn from."""
+        """The results with the maps and images of this tile."""
 
     def finish(self, results: "Results") -> None:
-        """Adds to the results what was found in the tiles."""
+        """Adds the tiles' counts, times and warnings to the results."""
 
 
 @dataclass
@@ -120,13 +120,13 @@ class Results:
     tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
 
     def of_tile(self, tile: int | None, progress: ProgressFunction | None = None) -> "Results":
-        """The results with the maps and images that a tile is drawn from; None: the only one."""
+        """The results with the maps and images of a tile; None stands for the only one."""
         if tile is None or self.tiles is None:
             return self
         return replace(self.tiles.results_of(tile, progress), look=self.look)
 
     def finish_tiles(self) -> None:
-        """Takes in what there is to say once all tiles have been asked for."""
+        """Adds counts, times and warnings of the tiles, once all of them have been evaluated."""
         if self.tiles is not None:
             self.tiles.finish(self)
 
@@ -137,7 +137,7 @@ class Results:
         return value_range(self.telling(name), registry_row(name), self.radius_of(name), self.look, areas)
 
     def telling(self, name: str) -> np.ndarray:
-        """The values that tell the range: those of texels, of the detailed surfaces, or else at the vertices."""
+        """The values that the range follows from: of texels or detailed surfaces if there are any, else of vertices."""
         if name in self.texel_values:
             return self.texel_values[name]
         return self.values[name] if self.transfer is None else self.transfer.measured[name]
@@ -163,7 +163,7 @@ class Results:
 
     @property
     def harris(self) -> str | None:
-        """The name of the Harris responses that corners are found in, if there are any: those of the first radius."""
+        """The name of the Harris responses in which corners are found, those of the first radius; None without any."""
         return next((name for name in self.values if registry_name(name) == "harris"), None)
 
     @property
@@ -185,7 +185,7 @@ class Results:
         return float(self.report_of(name)["radius"])
 
     def facet_notes(self) -> list[str]:
-        """Warns of what the mesh lacks, and if values show facets as the smallest radius is below the mean edge."""
+        """Warnings about defects of the mesh, and about a radius below the mean edge, at which values show facets."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
         if least >= edge or self.settings.radius_fit == fitting.FITTED:
@@ -195,12 +195,12 @@ class Results:
         return [*self.shape_notes, facets]
 
     def unused_notes(self) -> list[str]:
-        """Says which numbers that were chosen have no effect on the processor."""
+        """Notes about chosen numbers that have no effect on the backend used."""
         return unused_notes(self.backend, self.settings.options)
 
 
 def unused_notes(backend: str, options: bridge.Options) -> list[str]:
-    """Says which of the numbers that were chosen have no effect on this backend."""
+    """Notes about chosen numbers that have no effect on this backend."""
     usual = bridge.Options()
     chosen = {"buffer size": options.buffer_size != usual.buffer_size, "seed": options.seed != usual.seed}
     names = " and the ".join(name for name, given in chosen.items() if given)
@@ -211,12 +211,12 @@ def unused_notes(backend: str, options: bridge.Options) -> list[str]:
 
 
 def radius_suffix(radius: float) -> str:
-    """What follows a descriptor's name where several radii are computed: "_r0.02"."""
+    """The suffix of the names of values where several radii are computed: "_r0.02"."""
     return f"_r{radius:g}"
 
 
 def registry_name(name: str) -> str:
-    """The descriptor of values of this name: mean_curvature for mean_curvature_r0.02, for its _change, and for a _2."""
+    """The descriptor of values with this name: mean_curvature for mean_curvature_r0.02, its _change, and a _2."""
     known = {row.name for row in bridge.descriptors()}
     if name not in known:
         name = NUMBER.sub("", name).removesuffix(CHANGE)
@@ -225,7 +225,7 @@ def registry_name(name: str) -> str:
 
 
 def with_one_scale(look: Look, found: list[Results]) -> Look:
-    """The look with the range that all values of a descriptor have together, whatever their radii are."""
+    """The look with one range for all values of each descriptor, whatever their radii."""
     every: dict[str, list[tuple[Results, str]]] = {}
     for results in found:
         for name, values in results.values.items():
@@ -240,7 +240,7 @@ def with_one_scale(look: Look, found: list[Results]) -> Look:
 
 
 def registry_row(name: str) -> bridge.Descriptor:
-    """The registry's row of a descriptor, at whatever radius; that of a change is signed, about zero."""
+    """The registry's row of a descriptor, at any radius. The row of a change is signed, with 0 as its neutral value."""
     found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
     if name == found.name or not NUMBER.sub("", name).endswith(CHANGE):
         return found
@@ -288,7 +288,7 @@ def fitted(
     progress: ProgressFunction | None = None,
     largest: float = advice.LARGEST_MASK_RADIUS,
 ) -> Settings:
-    """The settings with the radius that they ask for: by fitting.fitted(), or where noise and bias balance."""
+    """The settings with a fitted radius if they ask for one: by fitting.fitted(), or where noise and bias balance."""
     if settings.radius_fit != balance.AUTO:
         return fitting.fitted(settings, arrays, largest)
     return balance.balanced(settings, arrays, lambda asked: run(arrays, asked, progress))
@@ -313,7 +313,7 @@ def backend_for(settings: Settings, buffers: bool = False) -> str:
 
 
 def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
-    """Whether a mesh without a UV map gets a layout for the computation; images that displace it need its own map."""
+    """Whether computing needs UVs, so that a mesh without a map gets a layout; displacing images need its own map."""
     backend = backend_for(settings, buffers=buffers)
     return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
 
@@ -335,7 +335,7 @@ def run_on(
     progress: ProgressFunction | None = None,
     with_buffers: bool = False,
 ) -> Results:
-    """Computes the descriptors on a mesh that was made of these arrays."""
+    """Computes the descriptors on a native mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
@@ -352,7 +352,7 @@ def run_on(
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:
-    """Finds the corners if there are Harris responses; with several radii, those of the first."""
+    """Finds corners if there are Harris responses; with several radii, in those of the first."""
     name = results.harris
     if name is None:
         return
@@ -413,14 +413,14 @@ def part_of(progress: ProgressFunction | None, index: int, count: int) -> Progre
 
 
 def span_of(progress: ProgressFunction | None, first: float, last: float) -> ProgressFunction | None:
-    """Turns the progress of what lasts from one share of the whole to another into that of the whole."""
+    """Turns the progress of a part, which spans these shares of the whole, into that of the whole."""
     if progress is None:
         return None
     return lambda stage, fraction: progress(stage, first + (last - first) * fraction)
 
 
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
-    """Adds what lies over the layout: the maps of texel evaluation, and the baked buffers if asked for."""
+    """Adds the images over the layout: the maps of texel evaluation, and the baked buffers if asked for."""
     if results.settings.options.evaluate == "texel":
         names = (*results.settings.descriptors, "coverage")
         results.maps.update({name + suffix: found.map(name) for name in names})
@@ -431,7 +431,7 @@ def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix
 
 
 def layout_sentence(layout: bridge.Layout, charts: int) -> str:
-    """Says what stood in for the UV map."""
+    """A sentence about the layout that was used in place of a UV map."""
     count = f"{charts:,} chart" if charts == 1 else f"{charts:,} charts"
     if layout.kept:
         done = f"the layout of {count} that an earlier bake left in it was used"

@@ -44,11 +44,11 @@ class Latest(Generic[Request, Result]):
         return self._under_way if self._waiting is None else self._waiting
 
     def ask(self, request: Request) -> None:
-        """Replaces the request that waits."""
+        """Makes this the waiting request, in place of an earlier one."""
         self._waiting = request
 
     def step(self, wait: bool = False) -> Outcome[Request, Result] | None:
-        """Gives the outcome of the request under way if it has ended, and begins the one that waits."""
+        """Returns the outcome of the request under way if it has ended, else None, and starts the one that waits."""
         ended = None
         if self._worker is not None and (wait or self._worker.done):
             ended = outcome_of(self._under_way, self._worker)
@@ -60,7 +60,7 @@ class Latest(Generic[Request, Result]):
         return ended
 
     def settle(self) -> None:
-        """Forgets the request that waits, stops the one under way at its next tile, and waits for that."""
+        """Drops the waiting request, cancels the one under way, and waits for its end."""
         self._waiting = None
         if self._worker is not None:
             self._worker.cancel()
@@ -69,7 +69,7 @@ class Latest(Generic[Request, Result]):
 
 
 def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Result]:
-    """The outcome of a worker that has ended."""
+    """The outcome of a worker that has ended: its result or its error."""
     try:
         return Outcome(request, worker.result())
     except Exception as error:  # noqa: BLE001 (handed over to the thread that asks)
@@ -77,5 +77,5 @@ def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Res
 
 
 def is_cancelled(error: BaseException) -> bool:
-    """Whether this outcome only says that somebody cancelled."""
+    """Whether the outcome is a cancellation."""
     return isinstance(error, ParadescError) and error.status == abi.STATUS_CANCELLED

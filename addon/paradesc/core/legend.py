@@ -14,7 +14,7 @@ def title(name: str, unit: str) -> str:
 
 
 def in_unit(unit: str) -> str:
-    """The end of a label: " (1/length)" of values with a unit."""
+    """The unit as the end of a label: " (1/length)", or "" for values without a unit."""
     return f" ({unit})" if unit else ""
 
 
@@ -24,12 +24,12 @@ def label(name: str) -> str:
 
 
 def label_ending(name: str) -> str:
-    """What follows the registry's label, which says itself whether it is a change."""
+    """The variant as the end of a label. Labels from the registry already say if the values are a change."""
     return variant(name).removesuffix(", change")
 
 
 def variant(name: str) -> str:
-    """What distinguishes these values from others of their descriptor: ", radius 0.02" if there are several."""
+    """The variant of the descriptor that these values are: ", radius 0.02" with several radii, or ""."""
     rest = name.removeprefix(registry_name(name))
     words = [f"radius {part[1:]}" if part[0] == "r" and part[1:2].isdigit() else part for part in rest.split("_")[1:]]
     return "".join(f", {word}" for word in words)
@@ -58,5 +58,5 @@ def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
 
 
 def number(value: float, span: float) -> str:
-    """A value in three digits; if it is negligible against the range, it is 0."""
+    """A value with three digits; 0 if it is negligible against the span of the range."""
     return "0" if abs(value) < 1e-6 * span else f"{value:.3g}"

@@ -1,6 +1,6 @@
-"""What can be chosen in the panel and by presets: names, descriptions, defaults and limits. Never imports bpy.
+"""The settings of the panel and of presets: names, descriptions, defaults and limits. Never imports bpy.
 
-Blender's properties are made of these (settings/properties.py), and what presets may say follows from them
+Blender's properties are made of these (settings/properties.py), and the rules of presets follow from them
 (files/preset_rules.py). The descriptors to choose from come from the native registry.
 """
 
@@ -14,14 +14,14 @@ from .corners import THRESHOLD
 
 @dataclass(frozen=True)
 class Member:
-    """One setting: of which kind it is, and what Blender's properties are told of it."""
+    """One setting: its kind, and the options for Blender's property."""
 
     kind: str  # bool, int, float, text, choice or choices (any number of them)
     words: dict[str, object]
 
 
 def member(kind: str, **words: object) -> Member:
-    """A setting with its words: name, description, default, and whatever else belongs to its kind."""
+    """A setting of this kind; words: name, description, default, and further options of its kind."""
     return Member(kind, words)
 
 
@@ -119,7 +119,7 @@ SPANS = [
     ("percentile", "Percentiles", "All values but a percentage on either side"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),
 ]
-# The first click gives both masks: one of them suits any mesh, and worn materials take both.
+# The first click bakes both masks: any mesh shows at least one of them, and worn materials need both.
 DEFAULT_DESCRIPTORS = {"cavity", "convexity"}
 HIGHEST_BIT = 30  # the highest bit of positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
@@ -141,7 +141,7 @@ def descriptor_items() -> list[tuple[str, str, str, int]]:
 
 
 def map_items() -> list[tuple[str, str, str]]:
-    """Menu items of the descriptors that operators can work on: those of the surface with one component."""
+    """Menu items of the descriptors that can be an operator's map: descriptors of the surface with one component."""
     if bridge.missing_sentence():
         return [NO_DESCRIPTOR[:3]]
     rows = [row for row in bridge.descriptors() if row.components == 1 and row.map_degree == 0]
@@ -159,7 +159,7 @@ def default_of(items: list[tuple], wanted: str) -> str:
 
 
 def descriptor_members() -> dict[str, Member]:
-    """The settings that say what to compute."""
+    """The settings for the choice of descriptors."""
     items, maps = descriptor_items(), map_items()
     return {
         "descriptors": member(
@@ -193,7 +193,7 @@ def descriptor_members() -> dict[str, Member]:
 
 
 def neighborhood_members() -> dict[str, Member]:
-    """The settings that say how far to look around, and in which space."""
+    """The settings for the size of the neighborhood, and its space."""
     return {
         "radius_percent": member(
             "float", name="Radius",
@@ -235,7 +235,7 @@ def neighborhood_members() -> dict[str, Member]:
 
 
 def quality_members() -> dict[str, Member]:
-    """The settings that say how exactly, from what, and on which device to compute."""
+    """The settings for accuracy, source and device."""
     return {
         "samples": member(
             "int", name="Samples",
@@ -278,7 +278,7 @@ def quality_members() -> dict[str, Member]:
 
 
 def method_members() -> dict[str, Member]:
-    """The settings that researchers compare; the defaults are the most exact."""
+    """The settings for the method, which researchers compare; the defaults are the most exact."""
     choices = (
         ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
         ("variance_reduction", "Control", "How the noise of integrals is reduced", VARIANCE_REDUCTIONS),
@@ -305,7 +305,7 @@ def method_members() -> dict[str, Member]:
 
 
 def output_members() -> dict[str, Member]:
-    """The settings that say where results go."""
+    """The settings for outputs."""
     return {
         "write_attributes": member(
             "bool", name="Attributes",
@@ -365,7 +365,7 @@ def output_members() -> dict[str, Member]:
 
 
 def color_members() -> dict[str, Member]:
-    """The settings that say how values become colors."""
+    """The settings for colors."""
     return {
         "color_map": member(
             "choice", name="Color Map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC

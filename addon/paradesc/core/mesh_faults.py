@@ -1,8 +1,8 @@
 """Turns the report of a mesh into sentences about what in it spoils values, and what to do. Never imports bpy."""
 
-# A part of the triangles below which a fault says nothing about the rest.
+# Faults in a smaller share of the triangles than this say nothing about the rest.
 FEW = 0.01
-# So many triangles without area, as a part of all, come of a file that was read or written wrong.
+# If a larger share of triangles than this has no area, the file was probably written or read wrong.
 MANY_WITHOUT_AREA = 0.01
 # A mesh has fallen apart if it has this many parts for each triangle: two triangles of a card are one part.
 APART = 0.6
@@ -11,7 +11,7 @@ LEAST = 8
 
 
 def sentences(report: dict[str, float | int]) -> list[str]:
-    """What limits values on a mesh, by its bridge.Mesh.report(); nothing for a sound one, open or not."""
+    """Sentences about defects in a bridge.Mesh.report() that limit values; none for a sound mesh, open or not."""
     used = report["triangle_count"] - report["degenerate_triangles"] - report["copied_triangles"]
     found = [*without_area(report), *wound(report)]
     if used >= LEAST and report["parts"] >= APART * used:
@@ -26,7 +26,7 @@ def sentences(report: dict[str, float | int]) -> list[str]:
 
 
 def without_area(report: dict[str, float | int]) -> list[str]:
-    """About triangles that are left out, if they are many."""
+    """A sentence about triangles without area, if there are many."""
     flat, count = report["degenerate_triangles"], report["triangle_count"]
     if flat <= MANY_WITHOUT_AREA * count:
         return []
@@ -37,7 +37,7 @@ def without_area(report: dict[str, float | int]) -> list[str]:
 
 
 def wound(report: dict[str, float | int]) -> list[str]:
-    """About faces whose winding is not that of the rest, or of a solid."""
+    """Sentences about faces whose winding differs from their neighbors' or from that of a solid."""
     found = []
     if report["opposed_edges"]:
         found.append(
@@ -56,7 +56,7 @@ def wound(report: dict[str, float | int]) -> list[str]:
 
 
 def fallen_apart(report: dict[str, float | int], used: int) -> str:
-    """About a mesh in which next to no triangle has a neighbor."""
+    """A sentence about a mesh in which hardly any triangle has a neighbor."""
     counted = f"its {used:,} triangles are {report['parts']:,} parts"
     parts = f"The mesh falls apart: {counted}, and values are those of single faces"
     if report["boundary_edges"] > used:
@@ -68,5 +68,5 @@ def fallen_apart(report: dict[str, float | int], used: int) -> str:
 
 
 def edges(count: int) -> str:
-    """The beginning of a sentence about so many edges."""
+    """The beginning of a sentence about a number of edges."""
     return f"{count:,} edge has" if count == 1 else f"{count:,} edges have"

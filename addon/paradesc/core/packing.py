@@ -41,7 +41,7 @@ def charts(uvs: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> n
 
 
 def place(extent: np.ndarray, gutter: float) -> tuple[np.ndarray, float]:
-    """The low corners (n, 2) of boxes (n, 2) in the unit square, and the largest scale found at which they fit."""
+    """The low corners (n, 2) of boxes (n, 2) in the unit square, and the largest scale found that fits them all."""
     order = np.argsort(-extent[:, 1], kind="stable")
     boxes = extent[order]
     fits, too_large = 0.0, 1.0 / max(extent.max(), np.finfo(float).tiny)
@@ -60,7 +60,7 @@ def place(extent: np.ndarray, gutter: float) -> tuple[np.ndarray, float]:
 
 
 def rows(boxes: np.ndarray, scale: float, gutter: float) -> np.ndarray | None:
-    """The low corners (n, 2) of boxes in rows, which come highest first; None if they do not fit."""
+    """The low corners (n, 2) of boxes packed in rows, in the given order; None if they do not fit."""
     widths, heights = scale * boxes[:, 0] + gutter, scale * boxes[:, 1] + gutter
     if gutter + widths.max() > 1:
         return None

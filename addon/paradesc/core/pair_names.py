@@ -1,20 +1,20 @@
-"""Tells by names which meshes belong together: "crate_low" has the detail of "crate_high" and "crate_high_bolts"."""
+"""Finds meshes that belong together by name: "crate_low" takes detail from "crate_high" and "crate_high_bolts"."""
 
 import re
 from collections.abc import Iterable
 
-# What Blender adds to a second name is no part of it. Words that only begin so, such as "highlight", do not count.
+# Numbers that Blender adds to duplicate names are ignored. Longer words such as "highlight" do not count as marks.
 LOW = re.compile(r"(.+)[_ .-]low(?:\.\d{3,})?", re.IGNORECASE)
 HIGH = re.compile(r"[_ .-]high(?![a-z])", re.IGNORECASE)
 
 
 def is_one_of_a_pair(name: str) -> bool:
-    """Whether a name has one of the marks, at all."""
+    """Whether a name contains one of the marks."""
     return bool(LOW.fullmatch(name) or HIGH.search(name))
 
 
 def pairs_of(names: Iterable[str]) -> dict[str, list[str]]:
-    """Every coarse mesh among the names with those that give it detail, none without any."""
+    """Every low-poly name with the names of its detailed meshes; low-poly names without any are left out."""
     highs: dict[str, list[str]] = {}
     lows: dict[str, str] = {}
     for name in names:

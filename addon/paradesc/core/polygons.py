@@ -10,8 +10,8 @@ import numpy as np
 
 from ..bridge import MeshArrays
 
-# Twice the area of a triangle against the square of its polygon's size, from which on it is a triangle and no line;
-# coordinates that were 32-bit floats are not straighter than that.
+# A triangle counts as a line if twice its area is a smaller share than this of its polygon's squared size. Coordinates
+# that were 32-bit floats are not straighter than this.
 THIN = 1e-7
 # So many corners are cut together that their numbers stay in the processor's cache.
 BLOCK = 1 << 14
@@ -102,9 +102,9 @@ def cut(polygons: np.ndarray) -> np.ndarray:
 
 
 def bends_inwards(quads: np.ndarray) -> np.ndarray:
-    """(g,) bool: the second and fourth of (g, 4, 3) corners lie on one side of the line from first to third.
+    """(g,) bool: whether the second and fourth of (g, 4, 3) corners lie on one side of the line from first to third.
 
-    Blender divides quads by that as well, so that either way to read a file gives the same triangles.
+    Blender divides quads by the same rule, so reading a file with or without it gives the same triangles.
     """
     second, third, fourth = (quads[:, k] - quads[:, 0] for k in (1, 2, 3))
     return (np.cross(second, third) * np.cross(fourth, third)).sum(axis=1) > 0
@@ -138,7 +138,7 @@ def areas(flat: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 class Ears:
-    """Polygons from which ears are clipped: corners whose triangle with both neighbors holds no other corner."""
+    """Clips ears from polygons. An ear is a corner whose triangle with both neighbors contains no other corner."""
 
     def __init__(self, flat: np.ndarray) -> None:
         """Takes (g, k, 2) counterclockwise polygons."""

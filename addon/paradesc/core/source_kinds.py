@@ -1,4 +1,4 @@
-"""Names the meshes of an object that can be measured, and what menus say about them. Never imports bpy."""
+"""The meshes of an object that can be measured, with their labels in menus. Never imports bpy."""
 
 ORIGINAL, DEFORMED, EVALUATED, AUTOMATIC = "original", "deformed", "evaluated", "auto"
 SOURCES = (
@@ -11,11 +11,11 @@ SOURCES = (
     ),
 )
 NAMES = tuple(name for name, _, _ in SOURCES)
-# What a single bake in a window measures unless another source is chosen. Files keep the numbers of the choices.
+# The source of a single bake in a window unless another one is chosen. Files keep the numbers of the choices.
 AUTOMATIC_SOURCE = (AUTOMATIC, "As Shown", "With modifiers and shape keys where the viewport shows any")
 
 
 def in_words(*names: str) -> str:
-    """Sources as sentences name them: by the label that the panel has, and the word that the command line has."""
+    """Sources in a sentence: each by its label in the panel and its word on the command line."""
     labels = {name: label for name, label, _ in SOURCES}
     return " or ".join(f"{labels[name]} ({name})" for name in names)

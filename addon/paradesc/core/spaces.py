@@ -16,13 +16,13 @@ def scales(matrix: np.ndarray) -> np.ndarray:
 
 
 def is_even(matrix: np.ndarray) -> bool:
-    """Whether every direction is scaled alike, mirrored or not."""
+    """Whether a matrix scales all directions alike; it may mirror."""
     found = scales(matrix)
     return bool(found[0] - found[2] <= EVEN * found[0])
 
 
 def check_scale(matrix: np.ndarray, name: str) -> None:
-    """Refuses the matrix of an object of that name that leaves it without a shape."""
+    """Refuses an object's matrix that flattens it."""
     linear = np.asarray(matrix, np.float64)[:3, :3]
     if np.isfinite(linear).all():
         found = scales(linear)
@@ -35,7 +35,7 @@ def check_scale(matrix: np.ndarray, name: str) -> None:
 def measured(
     arrays: MeshArrays, matrix: np.ndarray, name: str, space: str, remedy: str
 ) -> tuple[MeshArrays, list[str]]:
-    """The arrays of an object of that name in the space that is measured; a sentence if its scale does not count."""
+    """The arrays in the space that is measured; a sentence if the object's uneven scale is ignored."""
     found = replace(arrays)
     if space == "world":
         if arrays.maps is not None:
@@ -70,7 +70,7 @@ def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
 
 
 def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
-    """Does the same for displacement and normal maps, which can follow an even scale only."""
+    """Converts displacement and normal maps to world space, which needs an even scale."""
     if not is_even(linear):
         sentence = (
             f'The object "{name}" is scaled differently along its axes, which displacement and normal maps cannot '
@@ -85,6 +85,6 @@ def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 of length one; zero stays zero."""
+    """(n, 3) float32 unit vectors; zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.ascontiguousarray(vectors / np.where(lengths > 0, lengths, 1.0), np.float32)

@@ -7,7 +7,7 @@ import math
 
 from . import color_maps
 
-# The panel shows these members of a report; without one of them there is no report.
+# The members of a report that the panel shows. A report without one of them counts as missing.
 MESH_REPORT = (
     "vertex_count",
     "triangle_count",
@@ -22,13 +22,13 @@ MESH_REPORT = (
 )
 FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
 WORDS = ("backend", "device", "warnings", "notes")
-# The panel shows this of a bake to images: for each image its name and what it holds, and besides:
+# The members of a bake to images that the panel shows, besides the name and content of each image:
 IMAGE_LISTS = ("names", "holds")
 IMAGE_WORDS, IMAGE_NUMBERS = ("uv_map", "notes", "warnings"), ("size", "seconds", "cage")
 
 
 def checked(content: object) -> dict[str, object]:
-    """The part of it that has the form of record.write(); empty if it names no attributes."""
+    """The valid part of a record that record.write() made; empty if it names no attributes."""
     names = content.get("attributes") if isinstance(content, dict) else None
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return {}
@@ -46,12 +46,12 @@ def checked(content: object) -> dict[str, object]:
 
 
 def as_dict(value: object) -> dict[str, object]:
-    """The value where it is a dictionary."""
+    """The value if it is a dictionary, else an empty one."""
     return value if isinstance(value, dict) else {}
 
 
 def texts(value: object) -> dict[str, str]:
-    """The texts of a dictionary."""
+    """The entries of a dictionary that are texts."""
     return {name: text for name, text in as_dict(value).items() if isinstance(text, str)}
 
 
@@ -61,14 +61,14 @@ def is_number(value: object) -> bool:
 
 
 def is_report(value: object, members: tuple[str, ...]) -> bool:
-    """True of a dictionary of numbers that has these among its members."""
+    """Whether this is a dictionary of numbers with these members."""
     if not isinstance(value, dict) or not all(name in value for name in members):
         return False
     return all(is_number(number) for number in value.values())
 
 
 def image_bake(value: object) -> dict[str, object]:
-    """The record of a bake to images, or nothing if any of it is missing."""
+    """The record of a bake to images; empty if any part of it is missing."""
     row = as_dict(value)
     lists = [row.get(name) for name in IMAGE_LISTS]
     sound = all(isinstance(one, list) and all(isinstance(text, str) for text in one) for one in lists)
@@ -92,7 +92,7 @@ def ranges(value: object) -> dict[str, list[float]]:
 
 
 def drawn(value: object) -> dict[str, dict[str, object]]:
-    """How colors were made, by name; leaves out whatever is not what drawing_of() makes."""
+    """The valid parts of how colors were made, by name, in the form of drawing_of()."""
     sound = {
         "map": lambda given: isinstance(given, str) and given in (color_maps.AUTOMATIC, *color_maps.MAPS),
         "diverging": lambda given: isinstance(given, (bool, int)),

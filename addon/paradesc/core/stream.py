@@ -16,14 +16,14 @@ from . import job
 
 # The bound of native/src/mesh/halfedge.cpp: twice the area against the square of the longest edge.
 NO_AREA = 1e-12
-# Below this, 32-bit floats cannot decide, so doubles do.
+# Below this, 32-bit floats are too inexact to decide, so doubles are used.
 SMALL_AREA = 1e-3
 # So many triangles are looked at together that their numbers stay in the processor's cache.
 BLOCK = 16384
 # The bounds of native/src/mesh/atlas.cpp: charts are laid out afresh if they cover a smaller share of texels, or if the
 # radius spans fewer texels.
 SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
-# Everything that makes a mesh except positions.
+# All members of a mesh except its positions.
 TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
 
 
@@ -34,7 +34,7 @@ class Stream:
         job.check_descriptors(settings.descriptors)
         self.settings = settings
         self.arrays = arrays
-        self.made = 0  # how often the native mesh was made: once, where nothing but positions changes
+        self.made = 0  # how often the native mesh was made: once, as long as only positions change
         self._mesh: bridge.Mesh | None = None
         self._contact: Contact | None = None
         self._lease = job.open_context(arrays, settings, shared)
@@ -84,7 +84,7 @@ class Stream:
     def moved(
         self, positions: np.ndarray, corner_normals: np.ndarray | None, corner_tangents: np.ndarray | None
     ) -> MeshArrays:
-        """The mesh at these positions; refuses positions of another mesh, and normals that are missing."""
+        """The mesh at these positions; raises if they are of another mesh, or if normals are missing."""
         positions = np.asarray(positions)
         if positions.shape != self.arrays.positions.shape:
             wanted = len(self.arrays.positions)
@@ -100,7 +100,7 @@ class Stream:
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
     def mesh_at(self, arrays: MeshArrays, progress: bridge.ProgressFunction | None = None) -> bridge.Mesh:
-        """The native mesh with these positions: the existing one, or a new one."""
+        """The native mesh at these positions: the existing one with new positions if possible, else a new one."""
         if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)
             return self._mesh
@@ -111,7 +111,7 @@ class Stream:
         return self._mesh
 
     def forget(self) -> None:
-        """Makes sure that the next frame makes the native mesh anew."""
+        """Drops the native mesh, so that the next frame makes a new one."""
         if self._mesh is not None:
             self._mesh.close()
             self._mesh = None
@@ -122,7 +122,7 @@ class Stream:
         self._lease.close()
 
     def leave(self) -> None:
-        """Does the same where the garbage collector calls, in the middle of anything."""
+        """Drops the mesh and the device without taking a lock, as the garbage collector may call this at any time."""
         self.forget()
         self._lease.leave()
 
@@ -134,7 +134,7 @@ class Stream:
 
 
 class Contact:
-    """What adjacency takes from positions: which vertices coincide and which triangles have no area."""
+    """The facts that adjacency takes from positions: which vertices coincide, and which triangles have no area."""
 
     def __init__(self, arrays: MeshArrays) -> None:
         triangles = arrays.triangle_vertices.T.astype(np.intp)
@@ -157,11 +157,11 @@ class Contact:
         return together and apart and np.array_equal(self.flat, self.without_area(columns))
 
     def is_of_rounding(self, mesh_report: dict[str, float | int]) -> bool:
-        """Whether vertices share a point that do not coincide to the bit, as others might do at other positions."""
+        """Whether vertices were welded that do not coincide exactly; at other positions, other vertices might be."""
         return mesh_report["welded_vertices"] > self.vertex_count - self.group_count
 
     def without_area(self, columns: np.ndarray) -> np.ndarray:
-        """(k,) int64 triangles without area at (3, vertex_count) positions."""
+        """(k,) int64 triangles that have no area at (3, vertex_count) positions."""
         found = [np.empty(0, np.int64)]
         for index, triangles in enumerate(self.blocks):
             square, longest = area_and_edge(columns, triangles)
@@ -214,9 +214,10 @@ def distinct(keys: np.ndarray) -> int:
 
 
 def goes_on(results: job.Results) -> bool:
-    """Whether a mesh made at other positions would be the same: nothing was taken apart, nor laid out afresh.
+    """Whether a mesh made at other positions would be the same: nothing was taken apart or laid out afresh.
 
-    If several fans of faces meet in a vertex, the widest stands for it; a private layout follows areas.
+    Where several fans of faces meet in a vertex, the widest represents it, and a private layout depends on areas. Both
+    may change with the positions.
     """
     if results.mesh_report["nonmanifold_vertices"]:
         return False
@@ -230,7 +231,7 @@ def goes_on(results: job.Results) -> bool:
 
 
 def same(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Whether two arrays are equal, or both are missing."""
+    """Whether two arrays are equal, or both None."""
     return first is second or (first is not None and second is not None and np.array_equal(first, second))
 
 
@@ -242,7 +243,7 @@ def same_topology(first: MeshArrays, second: MeshArrays) -> bool:
 
 
 def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | None) -> bool:
-    """Whether displacement and normal map are equal, or both are missing."""
+    """Whether displacement and normal map are equal, or both None."""
     if first is None or second is None:
         return first is second
     return (
@@ -253,5 +254,5 @@ def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | N
 
 
 def refused(sentence: str) -> ParadescError:
-    """The error for what a stream cannot take."""
+    """The error for positions or normals that a stream cannot use."""
     return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)

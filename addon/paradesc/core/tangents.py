@@ -8,7 +8,7 @@ import numpy as np
 
 from ..bridge import MeshArrays
 
-# Of lengths and areas that count as none; so small are those of triangles without area only.
+# Lengths and areas below this count as zero. Only triangles without area have such small ones.
 NOTHING = 1e-30
 
 
@@ -53,7 +53,7 @@ def divided(arrays: MeshArrays) -> tuple[np.ndarray, np.ndarray]:
 
 
 def halves_of(triangles: np.ndarray, uses: np.ndarray) -> np.ndarray:
-    """(k,) the first of each two triangles that follow each other and are one quad; uses: how many each corner has."""
+    """(k,) the first of each pair of successive triangles that form a quad; uses: the triangles at each corner."""
     counts = uses[triangles]
     half = (counts.max(axis=1) == 2) & (counts.sum(axis=1) == 1 + 2 + 2)
     common = (triangles[:-1, :, None] == triangles[1:, None, :]).sum(axis=(1, 2)) == 2
@@ -68,7 +68,7 @@ def squared(ways: np.ndarray) -> np.ndarray:
 
 
 def of_quads(signs: np.ndarray, areas: np.ndarray, sound: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """The signs of triangles, where both of a quad have that of the larger one in the UV map."""
+    """The signs of triangles, where both halves of a quad get the sign of the half that is larger in the UV map."""
     found, second = signs.copy(), quads + 1
     takes_first = ~sound[second] | (areas[quads] >= areas[second])
     found[quads] = found[second] = np.where(takes_first, signs[quads], signs[second])
@@ -90,7 +90,7 @@ def along_u(points: np.ndarray, uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (…, 3) of length one; none stays none."""
+    """Unit vectors (…, 3); zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(lengths > NOTHING, lengths, 1.0)
 
@@ -103,7 +103,7 @@ def angles(points: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def same_places(rows: np.ndarray) -> np.ndarray:
-    """(n,) numbers of rows (n, k), the same for equal ones."""
+    """(n,) numbers of rows (n, k); equal rows have equal numbers."""
     _, numbers = np.unique(rows + 0.0, axis=0, return_inverse=True)  # without a zero that is negative
     return numbers.reshape(-1)
 
@@ -139,7 +139,7 @@ def joined(count: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def borrowed(tangents: np.ndarray, places: np.ndarray, sound: np.ndarray) -> np.ndarray:
-    """The tangents (m, 3, 4), where triangles without area in the UV map take those at the same places beside them."""
+    """The tangents (m, 3, 4), where triangles without area in the UV map take those of neighbors at the same places."""
     if sound.all():
         return tangents
     of_place = np.tile(np.array([1.0, 0.0, 0.0, -1.0]), (int(places.max(initial=0)) + 1, 1))

@@ -21,11 +21,11 @@ SHARE_BELOW = 0.05
 # reads lies up to 1.42 off a chart, and one that belongs to another chart up to 0.71 off that.
 LEAST_SIDE = 512
 GUTTER = 2.5 / LEAST_SIDE
-# The native library makes no larger map.
+# The native library makes no map larger than this.
 LARGEST_MAP = 8192
-# The side of an image that tells how bright a mask is.
+# The side of an image that shows how bright a mask is.
 SMALL_SIDE = 96
-# Each texel is evaluated unless centers are so much fewer.
+# Every texel is evaluated, unless the centers are fewer than this share of the texels.
 WORTH_SHARE = 0.7
 # Vertices have this share of the progress.
 VERTICES = 0.1
@@ -40,7 +40,7 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
     backend = job.backend_for(settings)
     if backend == "reference":  # which has no texels
         return job.run(arrays, with_texels(settings, size, "vertex"), progress)
-    exact = settings.options.evaluate == "texel"  # which asks for each of them
+    exact = settings.options.evaluate == "texel"  # which needs each texel
     side = size
     if not exact and backend == "cpu" and arrays.maps is None:  # to others the layout is part of what is measured
         arrays, side = centers_for(arrays, settings, size)
@@ -84,14 +84,14 @@ def joined(results: job.Results, of_texels: job.Results) -> job.Results:
 
 
 def with_texels(settings: job.Settings, side: int, evaluate: str = "texel") -> job.Settings:
-    """The settings with another number of texels, evaluated there."""
+    """The settings with evaluation at texels, and this number of texels along a side."""
     return replace(settings, options=replace(settings.options, evaluate=evaluate, texels=side))
 
 
 def centers_for(
     arrays: MeshArrays, settings: job.Settings, size: int, shown: np.ndarray | None = None
 ) -> tuple[MeshArrays, int]:
-    """The mesh over the layout of a map of centers, and the map's side: its own UV map and size if that takes less.
+    """The mesh over a layout with fewer centers, and the map's side; the mesh itself and the given size if cheaper.
 
     shown: (k,) the triangles that have an area in the UV map, if not all of them are asked for.
     """

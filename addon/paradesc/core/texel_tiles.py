@@ -13,7 +13,7 @@ from . import face_centers, job, texel_centers, udim
 
 @dataclass
 class TexelTiles:
-    """Evaluates the texels of a tile when it is asked for."""
+    """Evaluates the texels of a tile when the tile is asked for."""
 
     arrays: MeshArrays
     settings: job.Settings
@@ -35,7 +35,7 @@ class TexelTiles:
         return replace(texel_centers.joined(self.found, of_tile), tiles=None)
 
     def finish(self, results: job.Results) -> None:
-        """Adds places, seconds and warnings of all tiles."""
+        """Adds the places, times and warnings of all tiles to the results."""
         for of_tile in self.reports.values():
             places = results.field_report["places"] + of_tile.field_report["places"]
             both = texel_centers.joined(results, of_tile)
@@ -44,7 +44,7 @@ class TexelTiles:
 
 
 def side_for(size: int, uvs: np.ndarray) -> int:
-    """How many texels along a side of one map are as fine as size texels along a tile."""
+    """The side of one map for all tiles whose texels are as small as those of tiles with size texels a side."""
     return min(texel_centers.LARGEST_MAP, max(size, int(np.ceil(size * udim.extent(uvs)))))
 
 
@@ -91,7 +91,7 @@ def run_where_asked(
     progress: ProgressFunction | None = None,
     with_buffers: bool = False,
 ) -> job.Results:
-    """Computes like job.run(), or at faces; where texels are evaluated, images of tiles get as many as one would."""
+    """Computes like job.run(), or at faces. Images of UDIM tiles get as many texels in all as a single image would."""
     if settings.domain == "faces":
         return face_centers.run(arrays, settings, progress)
     size = settings.options.texels
@@ -113,7 +113,7 @@ def used_uvs(arrays: MeshArrays) -> np.ndarray:
 
 
 def coarser(side: int, size: int, uvs: np.ndarray) -> list[str]:
-    """Says where the one map of all tiles has fewer texels than they."""
+    """A note if the one map of all tiles is coarser than the tiles' images."""
     wanted = size * udim.extent(uvs)
     if side >= wanted:
         return []

@@ -15,9 +15,9 @@ from ..bridge import ParadescError, ProgressFunction, abi
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# At its end Python waits so many seconds for a thread that was told to stop; the thread takes a tenth of one.
+# At exit Python waits so many seconds for a cancelled thread, which usually takes a tenth of a second to stop.
 PATIENCE = 30.0
-# More threads than this only wait for memory.
+# More threads than this only wait for memory access.
 MOST_THREADS = 8
 
 _running: dict[threading.Thread, Callable[[], None]] = {}
@@ -49,13 +49,13 @@ atexit.register(stop_all)
 
 
 def go_on(progress: ProgressFunction | None, stage: str, fraction: float) -> None:
-    """Reports progress; raises if the answer is to stop."""
+    """Reports progress; raises a cancellation if the function returns False."""
     if progress is not None and not progress(stage, fraction):
         raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
 
 
 def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
-    """The results of work for all items, in their order, on all cores as far as work lets other threads run."""
+    """The results of work for all items, in order. It runs on all cores, as far as work releases Python's lock."""
     given = list(items)
     results: list[Result] = [None] * len(given)
     errors: list[BaseException] = []

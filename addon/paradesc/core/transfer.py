@@ -17,15 +17,15 @@ from .job import Results, Transfer
 # The cage distance where none is given, as a share of the diagonal of the coarse surface: that of an icosahedron is
 # enough for the sphere around it, and more hardly harms.
 USUAL_CAGE = 0.1
-# So many rings of texels that met nothing take values from beside them.
+# Texels that met nothing take values from neighbors up to so many rings away.
 FILLED_RINGS = 64
-# A smaller share of texels than this that met nothing is worth a note, and no warning.
+# If a smaller share of texels than this met nothing, a note says so instead of a warning.
 WORTH_WARNING = 0.001
-# What a texel takes: a point and a normal drawn and cast; what it met, apart from its values.
+# Bytes that a texel takes: its ray, drawn and cast, and its hit, without the values.
 FLOAT = 4
 RAY_BYTES = 2 * 6 * FLOAT + 1
 HIT_BYTES = 4 * FLOAT + 2
-# Measuring has this share of the progress.
+# The share of the progress that measuring has.
 MEASURING = 0.6
 
 
@@ -66,7 +66,7 @@ class Surface:
 
 @dataclass
 class Projection:
-    """Looks from the coarse surface at the detailed one, over all of its UV map or over one UDIM tile after another."""
+    """Casts rays from the low-poly surface to the detailed one, over the whole UV map or tile by tile."""
 
     low: Part
     surface: Surface
@@ -79,7 +79,7 @@ class Projection:
     def look(
         self, tile: int | None, first: np.ndarray, progress: ProgressFunction | None
     ) -> tuple[bridge.Hits, bridge.Hits, np.ndarray]:
-        """What the first rays (n, 6) met, what those of the covered texels did, and which texels (N, N) these are."""
+        """The hits of the first rays (n, 6) and of the covered texels' rays, and which texels (N, N) are covered."""
         uvs = self.low.arrays.corner_uvs[self.low.arrays.triangle_corners]
         corners, rays = self.low.arrays.triangle_vertices, self.rays
         if tile is not None:
@@ -100,7 +100,7 @@ class Projection:
         return replace(self.base, transfer=seen, tiles=None)
 
     def finish(self, results: Results) -> None:
-        """Says how many texels of all tiles met nothing."""
+        """Adds how many texels of all tiles met nothing."""
         results.transfer.texels = sum(one.texels for one in self.found.values())
         results.transfer.missed = sum(one.missed for one in self.found.values())
         add_sentences(results, self.low.name)
@@ -158,14 +158,14 @@ def run(
 
 
 def check_cage(cage: float) -> None:
-    """Refuses what is no distance."""
+    """Refuses a cage that is not a distance."""
     if not (np.isfinite(cage) and cage >= 0):
         sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 to have it chosen."
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
 def memory_of_images(settings: job.Settings, size: int) -> int:
-    """Bytes that rays and images take at most, where the UV map covers every texel."""
+    """The bytes that rays and images take at most, if the UV map covers every texel."""
     radii = 1 + len(settings.more_radii)
     widths = [bridge.components(name) for name in settings.descriptors]
     images = radii * sum(widths) + 2 * (1 + max(widths)) + 1  # all of them, and what filled() makes of one
@@ -173,7 +173,7 @@ def memory_of_images(settings: job.Settings, size: int) -> int:
 
 
 def check_memory(settings: job.Settings, size: int) -> None:
-    """Refuses images that would take more memory than the library may use, before anything is measured."""
+    """Refuses images that would exceed the memory limit, before anything is measured."""
     needed, limit = memory_of_images(settings, size), settings.memory_limit
     allowed = bridge.allowed_memory(limit)
     if needed <= allowed:
@@ -201,7 +201,7 @@ def joined(low: Part, highs: list[Part], found: list[Results], middle: np.ndarra
 
 
 def turned(results: Results, name: str, high: Part, low: Part) -> np.ndarray:
-    """(n,) values as they are, (n, 3) directions from one object's space into the other's."""
+    """(n,) values unchanged; (n, 3) directions turned from one object's space into the other's."""
     values = results.values[name]
     if values.ndim == 1 or results.settings.space == "world":
         return values
@@ -256,25 +256,25 @@ def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], n
 
 
 def summed(found: list[Results]) -> dict[str, float]:
-    """The seconds that all of them took."""
+    """The times of all computations, summed."""
     names = [name for name in found[0].field_report if name.startswith("seconds_")]
     return {name: sum(one.field_report[name] for one in found) for name in names}
 
 
 def with_texels(rays: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which texels (N, N) of drawn rays (N, N, 6) are covered, and rays: those given (n, 6), then those of these."""
+    """Which texels (N, N) of drawn rays (N, N, 6) are covered, and rays: the given ones (n, 6), then the texels'."""
     covered = np.isfinite(drawn[:, :, 0])
     both = np.empty((len(rays) + int(covered.sum()), drawn.shape[2]), np.float32)
     both[: len(rays)] = rays
     end = len(rays)
-    for row, there in zip(drawn, covered, strict=True):  # all at once would take as much memory again
+    for row, there in zip(drawn, covered, strict=True):  # row by row, as all at once would need the memory twice
         start, end = end, end + int(there.sum())
         both[start:end] = row[there]
     return covered, both
 
 
 def over_uv_map(surface: Surface, hits: bridge.Hits, covered: np.ndarray, cage: float) -> Transfer:
-    """The images of what the rays of the covered texels (N, N) met."""
+    """The images of the values that the covered texels' rays (N, N) met."""
     missed = np.zeros(covered.shape, bool)
     missed[covered] = hits.missed
     images = {}
@@ -297,7 +297,7 @@ def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:
 
 
 def add_sentences(results: Results, name: str) -> None:
-    """Says where the values come from, and how many texels met nothing; refuses if all did."""
+    """Adds sentences about the sources of the values and about texels that met nothing; raises if all met nothing."""
     found = results.transfer
     sources = ", ".join(f'"{source}"' for source in found.sources)
     if found.texels == 0:

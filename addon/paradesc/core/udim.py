@@ -12,14 +12,14 @@ from ..bridge import MeshArrays
 
 COLUMNS, ROWS = 10, 100
 FIRST = 1001
-# A map that reaches into a square by no more than this, four texels of 1024, only rounds at its border.
+# A map that reaches into a square by no more than this, four texels of 1024, only does so by rounding.
 SPILL = 1 / 256
 # UV maps of textures that repeat lie over more squares than anyone paints tiles for.
 MOST_TILES = 100
 # Coordinates beyond this are mistakes, and squares that far out have no whole numbers to count them by.
 FARTHEST = 1e6
 KEY_STEP = 1 << 24  # tells squares of one row from those of the next, wherever a map lies
-# Why there are no tiles where they may be expected.
+# Reasons for a single image where tiles may be expected.
 OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
 REPEATS = "Most of the UV map crosses borders of UDIM tiles, as that of a texture that repeats does."
 
@@ -28,19 +28,19 @@ REPEATS = "Most of the UV map crosses borders of UDIM tiles, as that of a textur
 class Tiling:
     """The tiles of a UV map; none if it makes a single image."""
 
-    tiles: tuple[int, ...] = ()  # numbers in order
+    tiles: tuple[int, ...] = ()  # numbers in ascending order
     crossing: int = 0  # how many triangles lie in several
-    why: str = ""  # there is a single image where tiles may be expected
-    first: bool = False  # whether there is a single image because all lies in tile 1001
+    why: str = ""  # reason for a single image where tiles may be expected
+    first: bool = False  # whether there is a single image because the whole map lies in tile 1001
 
     @property
     def warnings(self) -> list[str]:
-        """Why there is a single image where tiles may be expected."""
+        """A warning with the reason for a single image where tiles may be expected."""
         return [f"{self.why} All of it was drawn into a single image."] if self.why else []
 
     @property
     def notes(self) -> list[str]:
-        """What there is to say of tiles."""
+        """A note about triangles that cross the borders of tiles."""
         if not self.crossing:
             return []
         count = self.crossing
@@ -49,13 +49,13 @@ class Tiling:
 
 
 def too_many(count: int) -> str:
-    """Why a UV map over so many squares makes a single image."""
+    """The reason for a single image: the UV map lies over too many tiles."""
     return f"The UV map lies over {count:,} UDIM tiles, more than {MOST_TILES}; use fewer."
 
 
 @dataclass(frozen=True)
 class Cut:
-    """What a tile shows: triangles in its square, where those that cross its border are cut into parts."""
+    """The triangles that a tile shows, in its unit square; those that cross its border are cut into parts."""
 
     triangles: np.ndarray  # (n,) int which triangle of the mesh each is, or is a part of
     uvs: np.ndarray  # (n, 3, 2) float32 in the unit square
@@ -87,7 +87,7 @@ class Cut:
 
 
 def blended(corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(k, 3, d) of (k, 3, d) values at triangles' corners; what is not finite leaves its share to the others."""
+    """(k, 3, d) blends of (k, 3, d) values at triangles' corners; corners that are not finite have no weight."""
     known = np.isfinite(corners).all(axis=2)
     shares = np.where(known[:, None, :], weights, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -222,7 +222,7 @@ def separated(uvs: np.ndarray) -> np.ndarray:
 
 
 def deep(uvs: np.ndarray, number: np.ndarray, count: int) -> np.ndarray:
-    """(count,) bool: which squares hold more than rounding at their borders; number (n,): that of each triangle's."""
+    """(count,) bool: which squares contain more than a sliver at their borders. number (n,): each triangle's square."""
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, number, np.clip(uvs.min(axis=1), 0.0, 1.0))
     np.maximum.at(high, number, np.clip(uvs.max(axis=1), 0.0, 1.0))
@@ -230,7 +230,7 @@ def deep(uvs: np.ndarray, number: np.ndarray, count: int) -> np.ndarray:
 
 
 def more_than_spilled(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(n,) bool: whether what reaches from low to high, (n, 2) each, lies in the unit square by more than rounding."""
+    """(n,) bool: whether the boxes from low to high, (n, 2) each, reach into the unit square by more than a sliver."""
     return ((high > SPILL) & (low < 1 - SPILL)).all(axis=1)
 
 
@@ -248,7 +248,7 @@ def shifted(uvs: np.ndarray, tile: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def cut(uvs: np.ndarray, tile: int) -> Cut:
-    """What a tile shows of (n, 3, 2) UV coordinates, in the order of the triangles."""
+    """Cuts (n, 3, 2) UV coordinates to a tile; the result keeps the order of the triangles."""
     found, uvs = shifted(uvs, tile)
     crosses = ((uvs < 0) | (uvs > 1)).any(axis=(1, 2))
     number, weights = np.flatnonzero(crosses), np.tile(np.eye(3), (int(crosses.sum()), 1, 1))
@@ -290,7 +290,7 @@ def beside(
 
 
 def faces(corners: np.ndarray, met: np.ndarray, inside: int) -> Iterator[np.ndarray]:
-    """(k, 3, d) triangles of what is left where one corner, the first, or the two others are inside."""
+    """(k, 3, d) triangles of the rest of cut triangles, where either the first corner or the two others are inside."""
     if inside == 1:
         yield np.stack([corners[:, 0], met[:, 0], met[:, 1]], axis=1)
         return
@@ -312,7 +312,7 @@ def unshared(arrays: MeshArrays, corner_uvs: np.ndarray | None = None) -> MeshAr
 
 
 def alone(arrays: MeshArrays, tile: int) -> tuple[np.ndarray, MeshArrays]:
-    """(k,) which triangles a tile shows, and the mesh with a UV map in which they alone have an area.
+    """(k,) which triangles a tile shows, and the mesh with a UV map in which only these have an area.
 
     Triangles across the tile's border stay whole.
     """

@@ -1,4 +1,4 @@
-"""Says what a UV map lacks to be computed on. Never imports bpy."""
+"""Finds faults that make a UV map unusable for computing. Never imports bpy."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ LEAST_SHARE_WITH_AREA = 0.01
 
 
 def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
-    """What the (corner_count, 2) UV map lacks, as "has …", or "" if it is usable."""
+    """The fault that makes the (corner_count, 2) UV map unusable, worded as "has …", or "" if there is none."""
     if uvs is None:
         return "has no UV map"
     if not np.isfinite(uvs).all():
@@ -18,7 +18,7 @@ def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
 
 
 def with_others(reason: str, sound: list[str]) -> str:
-    """The same with the names of the mesh's other UV maps that lack nothing."""
+    """The fault, with the names of the mesh's other UV maps if those are usable."""
     if not sound:
         return reason
     names = " and ".join(f'"{name}"' for name in sound)
@@ -26,7 +26,7 @@ def with_others(reason: str, sound: list[str]) -> str:
 
 
 def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
-    """Whether enough triangles have an area in the UV map; most often a part of them is enough to tell."""
+    """Whether enough triangles have an area in the UV map; usually a part of them suffices to tell."""
     needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
     parts = (triangle_corners[::16], triangle_corners)
     return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)

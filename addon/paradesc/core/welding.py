@@ -1,4 +1,4 @@
-"""Says how far apart two corners of loose triangles are one vertex: as far as rounding moves them. Never imports bpy.
+"""The distance within which corners of loose triangles are one vertex: rounding moves them that far. Never imports bpy.
 
 The native library goes by the same rule beside open edges (native/src/mesh/weld.h), so that readers need not.
 """
@@ -7,7 +7,7 @@ import numpy as np
 
 # Units in the last place at the largest coordinate: about the seventh digit of a decimal.
 UNITS = 16
-# The part of the shortest edge that is the most, so that none shrinks to nothing.
+# The largest reach as a part of the shortest edge, so that no edge is welded to a point.
 SHARE_OF_EDGE = 0.01
 
 
