@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 ENDING = ".surface.vtp"
-# PyCurv's votes come from as far along the surface: a quarter of the circle of the smallest feature's radius.
+# PyCurv's votes come from a quarter of the circle of the smallest feature's radius; this radius reaches as far.
 REACH = math.pi / 2
 NAMES = (
     "principal_curvature_max", "principal_curvature_min", "principal_direction_max", "principal_direction_min"
@@ -81,7 +81,7 @@ def measure(path: Path, hit: float, radius: float, force: bool) -> list[Path]:
 def quantities(
     points: "np.ndarray", triangles: "np.ndarray", radius: float
 ) -> "tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]":
-    """The surface without triangles of no area, and what PyCurv says of each of the others, by its names.
+    """The surface without triangles of zero area, and PyCurv's quantities for the others, by PyCurv's names.
 
     PyCurv's curvature is positive where the surface bends toward the normals that its triangles are wound by, and
     Paradesc's where it bends away from them. n_v is the normal of the plane in which the principal directions lie.
@@ -152,7 +152,7 @@ def write_graph(path: Path, points: "np.ndarray", triangles: "np.ndarray", value
 
 
 def neighbors(triangles: "np.ndarray") -> "np.ndarray":
-    """(k, 2) which triangles (m, 3) have an edge in common, each pair once."""
+    """(k, 2) the pairs of triangles (m, 3) that share an edge, each once."""
     import numpy as np
 
     edges = np.sort(np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)

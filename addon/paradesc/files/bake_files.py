@@ -19,27 +19,27 @@ COMPUTING = 0.8
 
 @dataclass
 class Files:
-    """What will be written of one object, and what lies aside so far."""
+    """The files of one object's bake: where they go, and where they are written first."""
 
     object_name: str
     matrix_world: np.ndarray  # (4, 4)
     image: Path | None = None
     buffers: Path | None = None
-    aside: list[tuple[Path, Path]] = field(default_factory=list)  # where it is, where it goes
+    aside: list[tuple[Path, Path]] = field(default_factory=list)  # pairs of temporary and final place
 
     @property
     def any(self) -> bool:
-        """Whether any file will be written."""
+        """Whether the bake writes any file."""
         return self.image is not None or self.buffers is not None
 
     def part(self, path: Path) -> Path:
-        """The place beside its own where a file or folder is written first."""
+        """A place beside the final one, where a file or folder is written first."""
         place = part_path(path)
         self.aside.append((place, path))
         return place
 
     def commit(self) -> list[Path]:
-        """Brings everything to its place; gives the paths."""
+        """Moves all files to their places; returns their paths."""
         placed = []
         for place, path in self.aside:
             if place.is_dir():
@@ -54,7 +54,7 @@ class Files:
         return placed
 
     def discard(self) -> None:
-        """Removes what lies aside; earlier files at their places stay."""
+        """Removes the files that are not in their places yet; earlier files stay."""
         for place, _ in self.aside:
             if place.is_dir():
                 shutil.rmtree(place, ignore_errors=True)
@@ -64,7 +64,7 @@ class Files:
 
 
 def check(files: Files, arrays: bridge.MeshArrays, backend: str) -> None:
-    """Refuses what cannot be written before anything is computed."""
+    """Raises if the files cannot be written, before anything is computed."""
     if files.image is not None and arrays.map_fault:
         raise refuse(f"The mesh {arrays.map_fault}, and an image needs one; unwrap it, or switch the image off.")
     if files.buffers is not None and backend != "auto" and not bridge.uses_texture_space(backend):

@@ -37,7 +37,7 @@ QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?:[:-](-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
-# How often, and after how many seconds, a file is looked at again that another machine is writing.
+# How often, and after how many seconds, a file is read again that another machine may still be writing.
 METHOD_TRIES, METHOD_WAIT = 20, 0.1
 # The folder beside the .blend, if no other is given.
 DEFAULT_FOLDER = "paradesc_cache"
@@ -45,7 +45,7 @@ DEFAULT_FOLDER = "paradesc_cache"
 
 @dataclass
 class Frame:
-    """What one file holds."""
+    """The content of one file."""
 
     frame: int
     key: str
@@ -70,12 +70,12 @@ def frame_path(folder: Path, frame: int) -> Path:
 
 
 def object_folder(folder: Path, name: str, others: Iterable[Path] = ()) -> Path:
-    """The folder of an object's frames, apart from those of other objects that are there or among the others."""
+    """The folder of an object's frames, different from those of other objects in this folder or among the others."""
     return folder / file_names.folder_name(name, {path.name for path in others} | file_names.names_in(folder))
 
 
 def frames_in(folder: Path) -> dict[int, Path]:
-    """The files that are there, by frame and in order; their contents are not looked at."""
+    """The frame files in a folder, by frame and in order. Their contents are not read."""
     try:
         names = sorted(path.name for path in folder.iterdir())
     except FileNotFoundError:
@@ -112,14 +112,14 @@ def frame_range(first: int, last: int, step: int) -> range:
 
 
 def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: object) -> str:
-    """A name for what frames of one cache have in common: the mesh without its positions, and how it is measured.
+    """A key of the facts that all frames of one cache share: the mesh without its positions, and the measurement.
 
-    The device is left out, so that machines can share the work; its method, one of METHODS, counts.
+    The device is left out, so that machines can share the work; its method, one of METHODS, is included.
     """
     content = settings.as_dict()
     del content["backend"], content["device_index"]
     if content["creases"] == "none":
-        del content["creases"]  # as frames were baked before there were any
+        del content["creases"]  # so that keys of frames from before there were creases stay the same
     content.update(more, method=method, version=VERSION)
     text = json.dumps(content, sort_keys=True).encode()
     return digest(
@@ -176,7 +176,7 @@ def write_frame(folder: Path, content: Frame) -> Path:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Writes beside the path and then puts the file in place; the checksum detects what a power cut leaves."""
+    """Writes to a temporary file and then moves it into place. The checksum detects files that a power cut damaged."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -185,7 +185,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def sweep(folder: Path) -> None:
-    """Removes unfinished files of killed runs that are a day old or older."""
+    """Removes temporary files of killed runs that are at least a day old."""
     for path in folder.glob(f".frame_*{SUFFIX}.*.part"):
         try:
             if path.stat().st_mtime < time.time() - 86400:
@@ -198,7 +198,7 @@ def sweep(folder: Path) -> None:
 
 
 def read_frame(path: Path) -> Frame:
-    """What a file holds, once everything in it has been checked; raises one sentence if anything is wrong."""
+    """Reads and checks the content of a file; raises one sentence if anything is wrong."""
     try:
         content = path.read_bytes()
     except FileNotFoundError as error:
@@ -282,7 +282,7 @@ def check_whole(number: object, lowest: int, highest: int, what: str) -> None:
 
 
 def kept(folder: Path, frame: int, key: str, content: str) -> bool:
-    """Whether this frame is there, whole, and of this key and input."""
+    """Whether this frame exists, is sound, and has this key and input."""
     path = frame_path(folder, frame)
     try:
         found = read_frame(path)
@@ -292,7 +292,7 @@ def kept(folder: Path, frame: int, key: str, content: str) -> bool:
 
 
 def has_key(folder: Path, key: str) -> bool:
-    """Whether any frame that is there says that it has this key; only the headers are read."""
+    """Whether any frame in the folder has this key; only headers are read."""
     return any(read_key(path) == key for path in frames_in(folder).values())
 
 
@@ -312,9 +312,10 @@ def read_key(path: Path) -> str:
 
 
 def settled_method(folder: Path, animation: str, own: str) -> str:
-    """The method of an animation's frames: its folder keeps what the first machine that baked there said.
+    """The method of an animation's frames, which the first machine that bakes there writes into the folder.
 
-    animation names the frames whatever their method; own is what this machine says if it is the first.
+    animation: a key of the frames that does not depend on the method. own: the method of this machine, for the case
+    that it is the first.
     """
     path = folder / f"method_{animation[:16]}.json"
     results.make_folder(folder)
@@ -329,7 +330,7 @@ def settled_method(folder: Path, animation: str, own: str) -> str:
 
 
 def read_method(path: Path) -> str:
-    """What another machine wrote there, which it may be about to do."""
+    """The method that another machine wrote to the file; waits a little if it is still being written."""
     for _ in range(METHOD_TRIES):
         try:
             method = json.loads(path.read_text(encoding="utf-8"))["method"]
@@ -359,13 +360,13 @@ def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict
         try:
             row = job.registry_row(name)
         except StopIteration:
-            continue  # coverage, or values of a newer version
+            continue  # coverage, or values that only a newer version knows
         found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
     return found
 
 
 def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
-    """Ranges that the user set for this folder, by name; "" stands for all others."""
+    """The ranges that the user fixed for this folder, by name; "" stands for all others."""
     path = folder / RANGE_FILE
     try:
         content = json.loads(path.read_text()) if path.is_file() else {}
@@ -378,14 +379,14 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
 
 
 def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
-    """Sets ranges for this folder; they replace those that follow from its frames."""
+    """Fixes ranges for this folder, which replace those that follow from its frames."""
     write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
 
 
 def locked_ranges(
     folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
-    """One range for each name over all sound frames in these folders; of this key if one is given."""
+    """One range for each name over all sound frames in these folders; key: only of frames with this key."""
     return ranges_over([(folder, key) for folder in folders], look)
 
 
@@ -400,7 +401,7 @@ def ranges_over(
             try:
                 frame = read_frame(path)
             except ParadescError:
-                continue  # the next run bakes it again
+                continue  # the frame is damaged, and the next run bakes it again
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
     found = ranges(frames, look)
@@ -414,7 +415,7 @@ def ranges_over(
 
 
 def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
-    """(m,) values distributed as those of all frames: each frame adds ranks in proportion to its number of values."""
+    """(m,) values distributed as those of all frames, in which frames with more values have more weight."""
     most = max((count for _, count in parts), default=0)
     chosen = [np.empty(0, np.float32)]
     for quantiles, count in parts:
@@ -426,7 +427,7 @@ def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
 
 
 def reason(error: Exception) -> str:
-    """The text of an error, fit for one line: it may quote the file."""
+    """The text of an error on one line, as it may quote the file."""
     return " ".join(str(error).split())[:200]
 
 

@@ -11,7 +11,7 @@ from .inflating import MOST, inflated
 
 NO, RUNS, ZIP_LINES, ZIP = 0, 1, 2, 3
 LINES = {NO: 1, RUNS: 1, ZIP_LINES: 1, ZIP: 16}  # that are compressed together
-# How others are called, of those that programs offer.
+# The names of compressions that cannot be read.
 NAMES = {4: "PIZ", 5: "PXR24", 6: "B44", 7: "B44A", 8: "DWAA", 9: "DWAB"}
 KINDS = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 TILED, DEEP, SEVERAL_PARTS = 0x200, 0x800, 0x1000
@@ -19,7 +19,7 @@ TILED, DEEP, SEVERAL_PARTS = 0x200, 0x800, 0x1000
 
 @dataclass
 class Header:
-    """What says how the lines are stored."""
+    """The attributes of a file that say how its lines are stored."""
 
     channels: list[tuple[str, np.dtype]]  # in the order of the file
     compression: int
@@ -79,7 +79,7 @@ def header_of(content: bytes) -> Header:
 
 
 def text_at(content: bytes, place: int) -> tuple[str, int]:
-    """The text that begins there, and where the next thing does."""
+    """The text that begins at a place, and the place after its end."""
     end = content.find(b"\0", place)
     if end < 0:
         raise ValueError("it ends too early")

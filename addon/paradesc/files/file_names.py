@@ -1,4 +1,4 @@
-"""Names of files that follow those of objects: short enough, and the same to every file system or apart. No bpy."""
+"""File names made from object names: short enough, and distinct on every file system. No bpy."""
 
 import hashlib
 import itertools
@@ -15,19 +15,19 @@ LONGEST = 120
 
 
 def folded(name: str) -> str:
-    """What is the same for two names that some file system takes for one: the case, and how letters are composed."""
+    """A key that is equal for names that some file system takes for one: case and letters' composition are folded."""
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
 def cut(name: str) -> str:
-    """The name; a long one ends in its digest."""
+    """The name; a long name is cut, and its digest appended."""
     if len(name.encode()) <= LONGEST:
         return name
     return with_digest(name.encode()[: LONGEST - 9].decode(errors="ignore"), name)
 
 
 def with_digest(beginning: str, name: str) -> str:
-    """A beginning that several names may have, and what tells this one from them."""
+    """A beginning that several names may share, with the digest of this name."""
     return f"{beginning}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
@@ -51,12 +51,12 @@ def names_in(folder: Path) -> set[str]:
 
 
 def numbered(name: str) -> Iterator[str]:
-    """The name, then with a number behind it."""
+    """The name, then the name with numbers appended."""
     return (name if number == 1 else f"{name}_{number}" for number in itertools.count(1))
 
 
 def distinct(names: list[str]) -> list[str]:
-    """The names, no two of which any file system takes for one: a number follows where they are."""
+    """The names, with numbers appended where some file system would take two for one."""
     taken: set[str] = set()
     found = []
     for name in names:

@@ -1,4 +1,4 @@
-"""Bakes frames of one mesh into files of a frame cache; where each frame's mesh comes from is for others to say.
+"""Bakes frames of one mesh into files of a frame cache. Subclasses decide where each frame's mesh comes from.
 
 Radii are those of the base mesh in all frames, so that values of one frame can be compared with those of another. Never
 imports bpy.
@@ -29,13 +29,13 @@ class Reading(Protocol):
 
 @dataclass
 class FrameRequest:
-    """What to bake of one object."""
+    """The options for baking one object's frames."""
 
     settings: job.Settings
-    folder: Path  # of this object's frames
+    folder: Path  # of the frames of this object
     source: str = "deformed"
-    relative: bool = False  # keeps the change against the base mesh too
-    force: bool = False  # computes frames again that are there
+    relative: bool = False  # whether to bake the change against the base mesh as well
+    force: bool = False  # whether to compute existing frames again
     maps: object = None  # surface_maps.MapChoice
 
 
@@ -61,7 +61,7 @@ class Done:
 
 
 class Baker:
-    """Bakes frames of one mesh, each from one native mesh where its faces stay; a frame that is there stays."""
+    """Bakes the frames of one mesh, on one native mesh as long as the faces stay. Existing frames are kept."""
 
     def __init__(self, object_name: str, mesh_name: str, request: FrameRequest) -> None:
         self.object_name, self.mesh_name, self.request = object_name, mesh_name, request
@@ -85,7 +85,7 @@ class Baker:
             raise
 
     def read_base(self, needs_uvs: bool) -> MeshArrays:
-        """The mesh whose size, and whose values where the change is asked for, count for all frames."""
+        """The base mesh, whose size decides the radii. Changes, if asked for, are measured against its values."""
         raise NotImplementedError
 
     def prepare(self, frame: int) -> Task | None:
@@ -93,7 +93,7 @@ class Baker:
         raise NotImplementedError
 
     def on_base(self, results: job.Results, _reading: Reading) -> job.Results:
-        """The results at the vertices that the frame's file is about."""
+        """The results at the vertices for which frames store values."""
         return results
 
     def open(self, settings: job.Settings) -> None:
@@ -109,7 +109,7 @@ class Baker:
             raise
 
     def settled(self) -> str:
-        """The backend for these frames: under auto the one that goes on with frames of an earlier version."""
+        """The backend for these frames. Under auto it is one with the method of the frames that exist already."""
         own = self.request.settings.backend
         if own != "auto":
             return own
@@ -120,7 +120,7 @@ class Baker:
         return "cpu" if method == CPU_METHOD else "software"
 
     def method_there(self) -> str:
-        """The method of frames that are there already, "" if none are: of an earlier version, or copied."""
+        """The other method, if frames of an earlier version, or copied ones, have it already; else ""."""
         folder = self.request.folder
         if not cache.frames_in(folder) or cache.has_key(folder, self.make_key()):
             return ""
@@ -129,7 +129,7 @@ class Baker:
         return other if cache.has_key(folder, self.make_key(other, replace(base, maps=self.base.maps))) else ""
 
     def make_key(self, method: str | None = None, base: MeshArrays | None = None) -> str:
-        """Makes the key of everything that the frames have in common."""
+        """A key of the facts that all frames share."""
         base = self.base if base is None else base
         maps = base.maps
         rest = digest(base.positions) if self.request.relative else ""
@@ -139,15 +139,15 @@ class Baker:
         return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
 
     def names(self) -> list[str]:
-        """The names of the values, after the radius that was asked for."""
+        """The names of the values, with the radii that were asked for."""
         return self.request.settings.value_names()
 
     def is_kept(self, frame: int, content: str) -> bool:
-        """Whether this frame of this content is there and need not be made again."""
+        """Whether the frame exists already with the same key and input."""
         return not self.request.force and cache.kept(self.request.folder, frame, self.key, content)
 
     def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:
-        """Computes and writes a frame."""
+        """Computes a frame and writes its file."""
         try:
             rest = self.rest(progress) if self.request.relative else None
             start = time.perf_counter()
@@ -167,13 +167,13 @@ class Baker:
         return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
-        """The results of the base mesh, which are computed once."""
+        """The results of the base mesh, computed on first use."""
         if self._rest is None:
             self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)
         return self._rest
 
     def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
-        """What a frame's file holds."""
+        """The content of a frame's file."""
         found = self.on_base(results, task.reading)
         values, radius = {}, {}
         for asked, name in zip(self.names(), found.settings.value_names(), strict=True):
@@ -208,19 +208,19 @@ class Baker:
 
 
 def without_layout(arrays: MeshArrays) -> MeshArrays:
-    """The same mesh without the UV map that was made for the computation, which some methods need and others do not."""
+    """The mesh without a layout made for the computation, as some methods need one and others do not."""
     return arrays if arrays.layout is None else replace(arrays, corner_uvs=None, layout=None)
 
 
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:
-    """The same settings with radii in units of the positions, which do not follow a frame's own size."""
+    """The settings with radii in units of the positions, so that they do not depend on the size of a frame's mesh."""
     unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
     options = replace(settings.options, radius=settings.options.radius * unit, radius_unit="absolute")
     return replace(settings, options=options, more_radii=tuple(radius * unit for radius in settings.more_radii))
 
 
 def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings) -> job.Settings:
-    """The same with the radii that a bake of these arrays has, which may fit them to the mesh."""
+    """The settings with the radii that a bake of these arrays would have, fitted to the mesh if they ask for that."""
     found = at_fixed_radii(job.fitted(settings, arrays), stream.mesh_at(arrays).report())
     if settings.radius_fit not in fitting.NARROWED or not color_maps.EDGES & set(settings.descriptors):
         return found
@@ -233,7 +233,7 @@ def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings)
 
 
 def at_frame(frame: int, error: ParadescError) -> ParadescError:
-    """The same error, saying at which frame."""
+    """The error, with the frame named in its sentence."""
     if error.status == abi.STATUS_CANCELLED or error.sentence.startswith("Frame "):
         return error
     sentence = f"Frame {frame}: {error.sentence}"

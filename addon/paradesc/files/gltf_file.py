@@ -86,7 +86,7 @@ class Document:
         return np.maximum(values / np.float32(np.iinfo(kind).max), np.float32(-1)).astype(np.float32)
 
     def replaced(self, values: np.ndarray, sparse: dict) -> np.ndarray:
-        """The rows with those that a sparse accessor has in their place."""
+        """The rows, in which a sparse accessor replaces some."""
         at, new, count = sparse["indices"], sparse["values"], int(sparse["count"])
         kind = np.dtype(KINDS[at["componentType"]])
         places = self.view(at["bufferView"], kind, count, 1, at.get("byteOffset", 0))[:, 0]
@@ -158,7 +158,7 @@ def check_version(version: str) -> None:
 
 
 def unescaped(address: str) -> bytes:
-    """The bytes of an address, in which %20 may stand for a blank and so on."""
+    """The bytes of a URI whose escapes, such as %20, are decoded."""
     return re.sub(rb"%([0-9A-Fa-f]{2})", lambda found: bytes.fromhex(found[1].decode()), address.encode())
 
 
@@ -169,7 +169,7 @@ def buffer_path(path: Path, uri: str) -> Path:
 
 
 def addressed(path: Path, uri: str) -> bytes:
-    """The bytes that an address holds, or those of a file beside the .gltf."""
+    """The bytes of a data URI, or of a file beside the .gltf."""
     if uri.startswith("data:"):
         about, _, text = uri.partition(",")
         try:
@@ -206,7 +206,7 @@ def shown_places(header: dict) -> list[tuple[int, np.ndarray]]:
 
 
 def own_place(node: dict) -> np.ndarray:
-    """(4, 4) float64 place of a node in the one above it."""
+    """(4, 4) float64 transform of a node relative to its parent."""
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64).reshape(4)
@@ -222,7 +222,7 @@ def own_place(node: dict) -> np.ndarray:
 
 
 def shared_tables(meshes: list[dict]) -> set[int]:
-    """The accessors of positions that several meshes have in common."""
+    """The accessors of positions that several meshes share."""
     owners: dict[int, set[int]] = {}
     for number, mesh in enumerate(meshes):
         for primitive in mesh["primitives"]:
@@ -303,5 +303,5 @@ def at_corners(document: Document, primitive: dict, name: str, width: int, faces
 
 
 def of_all(arrays: list[np.ndarray | None]) -> np.ndarray | None:
-    """All of these, one after the other, if there are any and none is missing."""
+    """The arrays concatenated; None if any of them, or all, are missing."""
     return None if not arrays or any(array is None for array in arrays) else np.concatenate(arrays)

@@ -19,7 +19,7 @@ from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
 from .results import Baked
 
-# What Substance and game engines call textures of these descriptors; all others keep their names.
+# The names that Substance and game engines use for textures of these descriptors; all others keep their own names.
 WORDS = {
     "cavity": "cavity",
     "convexity": "edges",
@@ -33,29 +33,30 @@ CHANNELS = "RGBA"
 OPAQUE = 65535
 # The computation has this share of the progress; textures are drawn and packed in the rest.
 COMPUTING = 0.7
-# What comes before the first of several UDIM tiles has this share, if each is computed when its turn comes.
+# If UDIM tiles are computed one by one, the work before the first of them has this share.
 BEGINNING = 0.3
-# Of the work on a texture, drawing has this share; it is packed in the rest.
+# Drawing has this share of the work on a texture; packing it has the rest.
 DRAWING = 0.8
-# Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
+# Charts count as stacked if their areas add up to more than this share of the covered area; borders are half a texel
+# off.
 STACKED_SHARE = 1.05
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What the textures are like."""
+    """The options of textures: size, transparency, packing and colors."""
 
-    size: int  # texels along a side
+    size: int  # texels a side
     transparent: bool = False  # where there is no surface, instead of neutral
     packed: bool = False
-    look: Look = field(default_factory=Look)  # whose ranges pixels span
+    look: Look = field(default_factory=Look)  # the look whose ranges the pixels span
 
     def settings(self, settings: job.Settings) -> job.Settings:
-        """The settings with the descriptors that a packed texture holds."""
+        """The settings, with the descriptors of a packed texture if one is asked for."""
         return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
 
     def runs(self, settings: job.Settings, fit: Callable[[job.Settings], job.Settings]) -> list[job.Settings]:
-        """The settings of each computation: masks that share a texture each have the radius that fits the mesh."""
+        """The settings of each computation. Masks in a packed texture each get a radius that fits them."""
         settings = self.settings(settings)
         if not self.packed:
             return [fit(settings)]
@@ -74,20 +75,20 @@ class Texture:
 
     name: str  # without suffix
     content: bytes
-    tile: int | None = None  # if it is one of a tiled image
+    tile: int | None = None  # the number of the UDIM tile, if the image is tiled
     holds: tuple[str, ...] = ()  # the values in its channels
     dark: float = 0.0  # the share of the surface that is nearly black
     bright: float = 0.0  # and nearly white
 
     @property
     def file_name(self) -> str:
-        """The name of the file."""
+        """The name of the file, with the tile's number and the suffix."""
         return str(tile_names.of_tile(Path(f"{self.name}.png"), self.tile))
 
 
 @dataclass(frozen=True)
 class Encoded:
-    """The content of a PNG file, and what it shows."""
+    """The content of a PNG file, and facts about its pixels."""
 
     content: bytes
     scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
@@ -98,10 +99,10 @@ class Encoded:
 
 @dataclass
 class Computed:
-    """The results that the textures of one object are drawn from."""
+    """The results from which the textures of one object are drawn."""
 
-    stem: str  # with which their names begin
-    found: list[job.Results]  # of each radius
+    stem: str  # the beginning of their names
+    found: list[job.Results]  # one for each radius
     arrays: MeshArrays
     tiling: udim.Tiling
 
@@ -111,7 +112,7 @@ class Textures:
     """All textures of one object, and what they were made from."""
 
     results: job.Results
-    made: list[Texture]  # tiles of one image in a row
+    made: list[Texture]  # the tiles of one image follow each other
 
     def by_name(self) -> dict[str, list[Texture]]:
         """The tiles of each image, in their order."""
@@ -121,7 +122,7 @@ class Textures:
         return found
 
     def most_telling(self) -> int:
-        """The place of the first image, unless it is black nearly everywhere and another is less so."""
+        """The index of the first image, or of the least black one if the first is nearly black everywhere."""
         return most_telling([seen["dark"] for seen in self.extremes()])
 
     def extremes(self) -> list[dict[str, float]]:
@@ -131,7 +132,7 @@ class Textures:
 
 
 def word_of(name: str) -> str:
-    """What follows the object's name in that of a texture: "curvature", or "curvature_r0.02" of several radii."""
+    """The descriptor in a texture's name, after the object: "curvature", or "curvature_r0.02" with several radii."""
     stem = job.registry_name(name)
     return WORDS.get(stem, stem) + name.removeprefix(stem)
 
@@ -158,7 +159,7 @@ def run_onto(
     cage: float,
     progress: ProgressFunction | None = None,
 ) -> Textures:
-    """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
+    """Makes the textures of detailed surfaces over the UV map of a low-poly one; cage: as transfer.run() takes it."""
     before = BEGINNING if udim.of_mesh(low.arrays).tiles else COMPUTING
     found = computed_onto(stem, low, highs, settings, choice, cage, job.span_of(progress, 0.0, before))
     return packed(found, choice, job.span_of(progress, before, 1.0))
@@ -171,7 +172,7 @@ def computed(
     choice: Choice,
     progress: ProgressFunction | None = None,
 ) -> Computed:
-    """Computes what the textures of a mesh are drawn from."""
+    """Computes the results from which the textures of a mesh are drawn."""
     tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
     found = [
         texel_tiles.run(arrays, one, choice.size, tiling.tiles, job.part_of(progress, number, len(runs)))
@@ -189,7 +190,7 @@ def computed_onto(
     cage: float,
     progress: ProgressFunction | None = None,
 ) -> Computed:
-    """Computes what the textures of detailed surfaces over the UV map of a coarse one are drawn from."""
+    """Computes the results from which textures of detailed surfaces over a low-poly UV map are drawn."""
     tiling = udim.of_mesh(low.arrays)
     runs = choice.runs(settings, partial(job.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
     found = [
@@ -200,7 +201,7 @@ def computed_onto(
 
 
 def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = None) -> Textures:
-    """Draws and packs the textures of what was computed, tile after tile."""
+    """Draws and packs the textures of the computed results, tile after tile."""
     found, tiling = made_of.found, made_of.tiling
     for results in found:
         results.look = choice.look
@@ -229,7 +230,7 @@ def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = 
 
 
 def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:
-    """The results that each descriptor is drawn from in a tile."""
+    """The results of a tile, by the descriptor that is drawn from them."""
     bakes = {}
     for number, results in enumerate(made_of.found):
         own = results.of_tile(tile, job.part_of(progress, number, len(made_of.found)))
@@ -239,7 +240,7 @@ def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | N
 
 
 def joined(found: list[job.Results]) -> job.Results:
-    """The results of several computations: the first one's reports, and the seconds, notes and warnings of all."""
+    """The results of several computations as one: the first one's reports, and the times, notes and warnings of all."""
     first = found[0]
     seconds = {
         name: sum(one.field_report[name] for one in found) for name in first.field_report if name.startswith("seconds_")
@@ -259,7 +260,7 @@ def textures_of(
     tile: int | None,
     drawing: ProgressFunction | None,
 ) -> tuple[list[Texture], float]:
-    """The textures of one tile, by the word in their names, and the share of it that is on the surface."""
+    """The textures of one tile, by the word in their names, and the share of the tile that is on the surface."""
     any_baked = next(iter(bakes.values()))
     shown = maps.cut_of(any_baked, tile)
     made, covered = [], math.inf
@@ -280,7 +281,7 @@ def encoded(
     progress: ProgressFunction | None = None,
     shown: udim.Cut | None = None,
 ) -> Encoded:
-    """A 16-bit PNG of one descriptor of a bake, or with one in each channel.
+    """A 16-bit PNG of one descriptor, or of one descriptor in each channel.
 
     shown: the tile, if it is one of several.
     """
@@ -309,7 +310,7 @@ def drawn(
     progress: ProgressFunction | None = None,
     shown: udim.Cut | None = None,
 ) -> mask_image.Pixels:
-    """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
+    """The pixels of a descriptor over the mesh's UV map. Undefined values on the surface become neutral."""
     row, values = job.registry_row(name), baked.results.values[name]
     if values.ndim == 2:
         scale, span = mask_image.signed_scale(0.0, 1.0), None

@@ -1,4 +1,4 @@
-"""Takes displacement and normal maps from image files, which it reads itself: PNG and OpenEXR. Never imports bpy."""
+"""Takes displacement and normal maps from image files, and reads PNG and OpenEXR itself. Never imports bpy."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,17 +11,18 @@ from .exr_reading import read_exr
 from .paths import is_file
 from .png_reading import read_png
 
-# The largest numbers of a channel stand for 1. Blender multiplies too, so that one image is the same bits everywhere.
+# The largest number of a channel stands for 1. This multiplies as Blender does, so that an image has the same bits in
+# both.
 STEPS = {np.dtype(kind): np.float32(1.0) / np.float32(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)}
 
-LUMINANCE = (0.2126, 0.7152, 0.0722)  # how Blender makes a color a number
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # the weights by which Blender turns a color into a number
 # Gives (height, width, 3 or 4) float32 values of a file, rows bottom-up, and whether it has more than 8 bits.
 Reader = Callable[[Path], tuple[np.ndarray, bool]]
 
 
 @dataclass
 class MapChoice:
-    """Where maps come from: from files, or from the object's material."""
+    """The sources of maps: image files, or the object's material."""
 
     displacement: Path | None = None
     midlevel: float = 0.5
@@ -31,7 +32,7 @@ class MapChoice:
 
     @property
     def any(self) -> bool:
-        """Whether there is any map."""
+        """Whether any map is given."""
         return self.material or self.displacement is not None or self.normal_map is not None
 
 
@@ -50,7 +51,7 @@ def of_files(choice: MapChoice, maps: SurfaceMaps, read: Reader) -> list[str]:
 
 
 def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
-    """Says by what the surface was displaced, and what limits an image of few bits."""
+    """Notes about the displacement of the surface, and about the limits of an image with few bits."""
     notes = [f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.']
     if not fine and len(np.unique(maps.heights)) > 2:
         notes.append(f'"{name}" has 8 bits, each step of which is a slope of its own; use 16 bits or floats.')
@@ -83,7 +84,7 @@ def read_image(path: Path) -> tuple[np.ndarray, bool]:
 
 
 def of_png(path: Path) -> tuple[np.ndarray, bool]:
-    """(height, width, 3) float32 from 0 to 1, top row first, and whether it has 16 bits."""
+    """(height, width, 3) float32 from 0 to 1, top row first, and whether the file has 16 bits."""
     found = read_png(path)
     return in_three(found.astype(np.float32) * STEPS[found.dtype]), found.dtype == np.uint16
 
@@ -102,7 +103,7 @@ def of_exr(path: Path) -> tuple[np.ndarray, bool]:
 
 
 def in_three(pixels: np.ndarray) -> np.ndarray:
-    """(height, width, 3) of (height, width, 1 to 4): grey in each, and nothing of an alpha channel."""
+    """(height, width, 3) of (height, width, 1 to 4): grey is repeated, and alpha is dropped."""
     return pixels[:, :, :3] if pixels.shape[2] >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2)
 
 

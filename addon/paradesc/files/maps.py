@@ -12,9 +12,9 @@ from . import exr, mask_image, png, tile_names
 from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
-# So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
+# So many texels around each chart repeat its border, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
-LAYOUT_OVERLAPS = 1  # pdesc_layout of the library: charts of the UV map share texture space
+LAYOUT_OVERLAPS = 1  # pdesc_layout in the library: charts of the UV map overlap
 STACKED = "Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."
 
 
@@ -55,7 +55,7 @@ def drawn(
 
 
 def cut_of(baked: Baked, tile: int | None) -> udim.Cut | None:
-    """What a UDIM tile shows of the mesh; None where there is a single image."""
+    """The triangles in a UDIM tile; None where there is a single image."""
     return None if tile is None else udim.cut(user_uvs(baked), tile)
 
 
@@ -65,7 +65,7 @@ def image_of(baked: Baked, name: str, shown: udim.Cut | None = None) -> np.ndarr
 
 
 def notes(baked: Baked) -> list[str]:
-    """Says what limits the images."""
+    """Notes about the limits of the images."""
     if baked.arrays.layout is not None:
         return [
             "Images show the layout that was made for the computation: they fit no UV map of the mesh; unwrap it first."
@@ -101,7 +101,7 @@ def png_paths(path: Path, names: list[str]) -> dict[str, Path]:
 
 
 def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
-    """The values that 0 and 65535 stand for: -1 and 1 for a direction, else the smallest and the largest value."""
+    """The values of pixels 0 and 65535: -1 and 1 for directions, else the smallest and the largest value."""
     finite = values[np.isfinite(values)]
     if components == 3:
         return -1.0, 1.0
@@ -114,7 +114,7 @@ def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
 def ends_of_tiles(
     baked: Baked, tiles: tuple[int, ...], progress: bridge.ProgressFunction | None = None
 ) -> dict[str, tuple[float, float]]:
-    """What PNGs of several tiles span, by descriptor: the values of all tiles, which are drawn once for that."""
+    """The range that PNGs of several tiles share, by descriptor. All tiles are drawn once to find it."""
     found: dict[str, list[float]] = {name: [] for name in baked.results.values}
     for tile in tiles:
         part = replace(baked, results=baked.results.of_tile(tile, progress))
@@ -134,9 +134,9 @@ def write_png(
     shown: udim.Cut | None = None,
     ends: tuple[float, float] | None = None,
 ) -> dict[str, object]:
-    """Writes one descriptor as a 16-bit PNG; gives what the JSON report says of it.
+    """Writes one descriptor as a 16-bit PNG; returns its row of the JSON report.
 
-    ends: what 0 and 65535 stand for, if not the ends of this image's values.
+    ends: the values of pixels 0 and 65535, if they are not the ends of this image's values.
     """
     image = image_of(baked, name, shown)
     low, high = stored_range(image, image.shape[2]) if ends is None else ends
@@ -202,6 +202,6 @@ def write_buffers(folder: Path, baked: Baked) -> list[Path]:
 
 
 def write_raw_buffers(path: Path, baked: Baked) -> None:
-    """Writes what was baked, the layout and the maps as a .npz file."""
+    """Writes the baked buffers, the layout and the maps as a .npz file."""
     with path.open("wb") as file:
         np.savez_compressed(file, **baked.results.buffers, layout=baked.results.layout, **baked.results.maps)

@@ -1,4 +1,4 @@
-"""Marks PNG files with whose bake they are and a digest, which tells whether they are as we left them. No bpy."""
+"""Marks PNG files with the bake they come from and with a digest that shows if they were changed since. No bpy."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ Owner = dict[str, str]  # for example the .blend and the object
 
 
 def marked(content: bytes, owner: Owner) -> bytes:
-    """A PNG file with a text that says whose it is, before its pixels; an earlier mark goes."""
+    """The PNG file with a text chunk for its owner before the pixels; an earlier mark is replaced."""
     found = mark_in(content)
     if found is not None:
         content = content[: found[0]] + content[found[1] :]
@@ -24,7 +24,7 @@ def marked(content: bytes, owner: Owner) -> bytes:
 
 
 def owner_of(content: bytes) -> Owner | None:
-    """Whose bake a PNG file is; None where it has no mark, or anything else in it has changed since it got that."""
+    """The owner in a PNG file's mark; None if there is no mark, or if anything else in the file changed since."""
     found = mark_in(content)
     if found is None:
         return None
@@ -38,7 +38,7 @@ def owner_of(content: bytes) -> Owner | None:
 
 
 def owner_of_file(path: Path) -> Owner | None:
-    """The same of a file; None where it cannot be read, too."""
+    """The owner in the mark of the file at a path; None also if the file cannot be read."""
     try:
         return owner_of(path.read_bytes())
     except OSError:
@@ -46,7 +46,7 @@ def owner_of_file(path: Path) -> Owner | None:
 
 
 def mark_in(content: bytes) -> tuple[int, int] | None:
-    """Where the chunk with the mark begins and ends."""
+    """The start and the end of the chunk with the mark; None without one."""
     for kind, start, end in beginning(content):
         if kind == KIND and content.startswith(KEYWORD, start + 8):
             return start, end
@@ -54,7 +54,7 @@ def mark_in(content: bytes) -> tuple[int, int] | None:
 
 
 def beginning(content: bytes) -> Iterator[tuple[bytes, int, int]]:
-    """The kind, the start and the end of the chunks up to the first one with pixels; none of what is no PNG."""
+    """The kind, start and end of each chunk up to the first one with pixels; none if the file is not a PNG."""
     start = len(SIGNATURE)
     with suppress(ValueError):
         for kind, body in chunks(content):

@@ -26,7 +26,7 @@ BAND = 8 * SQUARE
 
 @dataclass(frozen=True)
 class Scale:
-    """What pixels stand for: value = low + (high - low) * pixel / 65535."""
+    """The meaning of pixels: value = low + (high - low) * pixel / 65535."""
 
     low: float
     high: float
@@ -34,7 +34,7 @@ class Scale:
     levels: Levels = field(default_factory=Levels)  # which have changed the pixels since
 
     def meaning(self, name: str, unit: str) -> str:
-        """The same in words, as programs and people find it in the file."""
+        """The scale as a formula, which is written into the file for programs and people."""
         formula = f"{name} = {self.low!r} + ({self.high!r} - {self.low!r}) * pixel / {WHOLE}"
         formula += f" [{unit}]" if unit else ""
         numbers = {"brightness": self.levels.brightness, "contrast": self.levels.contrast}
@@ -64,17 +64,17 @@ def scale_of(shown: ValueRange, neutral: float) -> Scale:
 
 
 def is_signed(shown: ValueRange) -> bool:
-    """Whether a range has its neutral value in the middle of the pixels."""
+    """Whether a range puts its neutral value at the middle of the pixels."""
     return shown.diverging and shown.neutral is not None
 
 
 def signed_scale(neutral: float, half: float) -> Scale:
-    """The scale with neutral at the middle pixel and neutral + half at the last."""
+    """The scale with the neutral value at the middle pixel, and neutral + half at the last one."""
     return Scale(neutral - half * MIDDLE / (WHOLE - MIDDLE), neutral + half, MIDDLE)
 
 
 def leveled(image: np.ndarray, scale: Scale, shown: ValueRange) -> Pixels:
-    """Pixels of (N, N, 1) values whose places in the range the levels have changed, as they change colors."""
+    """Pixels of (N, N, 1) values, changed by brightness, contrast and inversion as colors are."""
     levels = shown.levels
     if levels == Levels():
         return pixels_of(image, scale)
@@ -91,12 +91,12 @@ def leveled(image: np.ndarray, scale: Scale, shown: ValueRange) -> Pixels:
 
 
 def gutter_of(size: int) -> int:
-    """Texels around charts that hold the charts' values in a texture of this side."""
+    """The width in texels of the gutter around charts in a texture of this side."""
     return max(LEAST_GUTTER, size // SMALLEST_CLEAN)
 
 
 def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
-    """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
+    """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface. The image is overwritten."""
     counts = np.sum(in_bands(lambda rows: to_places(image[rows], scale), len(image)), axis=0)
     covered = counts[0] / image[:, :, 0].size
     dark, bright = (float(count) for count in counts[1:] / max(counts[0], 1))
@@ -116,9 +116,9 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
 
 
 def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int, int]:
-    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there.
+    """Replaces values by their pixel plus 1, in place, so that 0 can mean that nothing is there.
 
-    Counts the texels where something is, and those of them that are nearly black and nearly white.
+    Returns how many texels have a value, and how many of these are nearly black and nearly white.
     """
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
@@ -131,10 +131,10 @@ def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int, int]:
 
 
 def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:
-    """The image with its gutter filled, and with 0 where nothing is near.
+    """The image with its gutter filled, and with 0 further out.
 
-    A texel that is halved until the gutter is one texel looks at two around it where it is interpolated. So twice the
-    gutter is filled: the first texels one by one, the others in squares, which takes a fraction of the time.
+    When a texture is halved until the gutter is one texel wide, interpolation reads two texels around each. So twice
+    the gutter is filled: the first texels one by one, the others in squares, which takes a fraction of the time.
     """
     near = bridge.fill_gutter(image, SQUARE)
     squares = mean_squares(near)
@@ -173,5 +173,5 @@ def mean_squares(image: np.ndarray) -> np.ndarray:
 
 
 def in_bands(work: Callable[[slice], Result], size: int) -> list[Result]:
-    """The results of work for bands of rows, which it does side by side."""
+    """The results of work for bands of rows, computed on several threads."""
     return threads.side_by_side(work, [slice(start, min(start + BAND, size)) for start in range(0, size, BAND)])

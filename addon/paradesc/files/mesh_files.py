@@ -28,7 +28,7 @@ from .paths import is_file
 
 BLENDER_LACKS = (".off", ".vtp", ".vtk", ".gii", *neuro_files.SURFACES)
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", *BLENDER_LACKS)
-# A mesh as its reader found it: its name, itself, and its (4, 4) place in the world.
+# A mesh in a file: its name, the mesh, and its (4, 4) transform to the world.
 Found = tuple[str, PolygonMesh, np.ndarray]
 
 
@@ -45,7 +45,7 @@ class FileMesh:
 
 
 def read(path: Path) -> list[FileMesh]:
-    """The meshes of a file that have faces, each with a name of its own; raises InputError with one sentence."""
+    """Reads the meshes of a file that have faces, each with a unique name; raises InputError with one sentence."""
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f'"{path}" is none of {", ".join(SUFFIXES)}.')
@@ -57,9 +57,9 @@ def read(path: Path) -> list[FileMesh]:
 
 
 def check(path: Path) -> int:
-    """Refuses a damaged file of a kind that is read here, with the sentence of read(), whoever reads it afterwards.
+    """Raises the error of read() if a file that this module can read is damaged, whichever program reads it afterwards.
 
-    Gives how many sound faces another reader has to find: 0 of a file that this one does not know.
+    Returns how many sound faces another reader has to find: 0 for files that this module does not know.
     """
     if path.suffix.lower() not in SUFFIXES:
         return 0
@@ -72,7 +72,7 @@ def check(path: Path) -> int:
 
 
 def sound_faces(mesh: PolygonMesh) -> int:
-    """How many faces have three or more vertices, none of them twice, those with the same vertices counted once."""
+    """The number of faces with three or more distinct vertices; faces with the same vertices count once."""
     starts, count = np.cumsum(mesh.sizes) - mesh.sizes, 0
     for size in np.unique(mesh.sizes[mesh.sizes > 2]):
         rows = np.sort(mesh.corner_vertices[starts[mesh.sizes == size, None] + np.arange(size)], axis=1)
@@ -108,7 +108,7 @@ def polygon_meshes(path: Path) -> list[Found]:
 
 
 def with_own_names(meshes: list[FileMesh]) -> list[FileMesh]:
-    """Adds a number to names that are taken."""
+    """Makes names unique by appended numbers."""
     taken: set[str] = set()
     for mesh in meshes:
         stem, number = mesh.name, 0
@@ -126,7 +126,7 @@ def triangulated(found: Found) -> FileMesh:
 
 
 def of_one(reader: Callable[[Path], PolygonMesh | None]) -> Callable[[Path], list[Found]]:
-    """A reader of files with a single mesh, which has the file's name and stands where it is."""
+    """A reader of files with a single mesh. It has the name of the file, and no transform."""
 
     def read(path: Path) -> list[Found]:
         mesh = reader(path)

@@ -13,7 +13,7 @@ from ..bridge import origin
 from ..core.polygons import PolygonMesh, vertices_at
 from .results import Baked
 
-# FreeSurfer's surfaces are named after what they are, as in lh.white, and so are its values, as in lh.curv.
+# FreeSurfer names surfaces and values by suffixes for their kind, as in lh.white and lh.curv.
 SURFACES = (".white", ".pial", ".smoothwm", ".inflated", ".orig", ".sphere")
 SUFFIXES = (".gii", ".curv")  # of values that are written
 INSTALL = "pip install paradesc[neuro]"
@@ -21,7 +21,7 @@ LONGEST = 200  # of a sentence of nibabel's
 
 
 def fault() -> str:
-    """Why these files can be neither read nor written here, or ""."""
+    """The reason why these formats can be neither read nor written here, or ""."""
     found = importlib.util.find_spec("nibabel")
     return "" if found else f"it needs nibabel, which is not installed; {INSTALL}"
 

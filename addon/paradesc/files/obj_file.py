@@ -19,7 +19,7 @@ SIGNS = b"0123456789+-"
 
 @dataclass
 class Lines:
-    """The lines of a file by what they say, and where its objects begin."""
+    """The lines of a file, grouped by their first word, and the places where its objects begin."""
 
     vertices: list[bytes] = field(default_factory=list)
     uvs: list[bytes] = field(default_factory=list)
@@ -34,7 +34,7 @@ class Lines:
 
 
 class LineError(Exception):
-    """Says what is wrong with a line, by its first word and its number among those that begin so."""
+    """The fault of a line, which is given by its first word and its index among lines with that word."""
 
     def __init__(self, word: bytes, place: int, why: str) -> None:
         self.word, self.place, self.why = word, int(place), why
@@ -78,7 +78,7 @@ def lines_of(content: bytes) -> Lines:
 
 
 def counted_from_one(face: bytes, counts: tuple[int, int, int]) -> bytes:
-    """The same face with positive numbers, where -1 is the last one so far; numbers before the first stay negative."""
+    """The face with positive numbers, where -1 was the last one so far. Numbers before the first stay negative."""
 
     def counted(part: bytes, count: int) -> bytes:
         if not part.startswith(b"-") or not part[1:].isdigit() or not 0 < int(part[1:]) <= count:
@@ -141,7 +141,7 @@ def corners_of(faces: list[bytes]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def of_three(face: bytes) -> bytes:
-    """A face whose corners are written in different ways, each with three numbers; 0 is none."""
+    """A face whose corners have different forms, with three numbers for each corner; 0 means none."""
     parts = [[*corner.split(b"/"), b"0", b"0"][:3] if corner.count(b"/") < 3 else [b"?"] for corner in face.split()]
     return b" ".join(b"/".join(part or b"0" for part in corner) for corner in parts)
 

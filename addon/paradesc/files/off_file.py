@@ -59,9 +59,9 @@ def tables(rows: Rows, vertices: int, faces: int, keyword: bytes) -> tuple[np.nd
 
 
 def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
-    """(c,) corners and (count,) sizes of the faces that begin at a number, if nothing is left over after them.
+    """(c,) corners and (count,) sizes of the faces that begin at this number, if nothing is left over after them.
 
-    colored: what is left of the line on which a face ends is its color.
+    colored: the rest of the line on which a face ends is its color.
     """
     begins = rows.starts[np.searchsorted(rows.starts, at) : -1]
     sizes = rows.values[begins].astype(np.int64)
@@ -71,12 +71,12 @@ def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray
 
 
 def ends_of(rows: Rows, begins: np.ndarray) -> np.ndarray:
-    """(n,) where the rows end that begin at these numbers."""
+    """(n,) the ends of the rows that begin at these numbers."""
     return rows.starts[np.searchsorted(rows.starts, begins, side="right")]
 
 
 def walked(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Looks where each face begins, and how large it is, one after the other; refuses fewer and more than so many."""
+    """Finds the start and size of each face, one after the other; raises unless there are exactly count faces."""
     begins, sizes, length = [], [], len(rows.values)
     for _ in range(count):
         size = int(rows.values[at]) if at < length and 0 <= rows.values[at] < length else -1

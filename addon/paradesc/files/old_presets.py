@@ -22,14 +22,14 @@ from .preset_file import (
 from .preset_file import SUFFIX as JSON_SUFFIX
 
 SUFFIX = ".py"
-# Of all files that may be presets.
+# The suffixes of all files that may be presets.
 SUFFIXES = (JSON_SUFFIX, SUFFIX)
-# What follows the name of a file whose settings are in a JSON file now.
+# The suffix added to the name of an old file once its settings are in a JSON file.
 ASIDE = ".converted"
 # The lines that every such file begins with.
 BEGINNING = ("import bpy", "paradesc = bpy.context.scene.paradesc")
 ASSIGNMENT = re.compile(r"paradesc\.([a-z_]+)\s*=\s*(.+)")
-# Longer than any line that Blender wrote, and short enough for every Python's parser.
+# The length limit of a line: more than Blender ever wrote, and short enough for the parser of every Python version.
 LONGEST_LINE = 2000
 
 
@@ -64,7 +64,7 @@ def literal(path: Path, number: int, words: str) -> object:
 
 
 def read_any(path: Path) -> Content:
-    """A preset of today or of an earlier version, by the suffix of its file."""
+    """Reads a preset of the present or an earlier format, depending on the file's suffix."""
     return read_old(path) if path.suffix.lower() == SUFFIX else read(path)
 
 
@@ -90,13 +90,13 @@ def convert(path: Path, check: Callable[[Path, Content], None]) -> Path:
 
 
 def aside(path: Path) -> Path:
-    """A free name beside a file, under which no list of presets shows it."""
+    """A free name beside a file, under which it no longer appears in lists of presets."""
     names = (f"{path.name}{ASIDE}{number or ''}" for number in itertools.count())
     return next(place for place in map(path.with_name, names) if not place.exists())
 
 
 def same(path: Path, content: Content) -> bool:
-    """Whether a file holds these very settings."""
+    """Whether a file contains exactly these settings."""
     try:
         return read(path) == content
     except PresetError:

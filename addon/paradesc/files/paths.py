@@ -1,4 +1,4 @@
-"""Asks what is at a path; a name that is too long, or holds what no name can, is nothing rather than an error."""
+"""Checks paths. A name that is too long, or has forbidden characters, counts as missing and raises no error."""
 
 # ruff: noqa: PTH112, PTH113 (what pathlib asks in their place raises for such names)
 
@@ -17,7 +17,7 @@ def is_folder(path: Path) -> bool:
 
 
 def name_fault(path: Path) -> str:
-    """Why nothing can have this name, or ""."""
+    """The reason why no file can have this name, or ""."""
     try:
         path.lstat()
     except (FileNotFoundError, NotADirectoryError):

@@ -20,7 +20,7 @@ ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 INDICES = ("vertex_indices", "vertex_index", "vertex_indexes")
 FIRST_LINE = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
 COMMENTS = (b"comment", b"obj_info")
-# What exporters call texture coordinates at vertices.
+# The names that exporters give texture coordinates at vertices.
 UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
 NORMAL_NAMES = ("nx", "ny", "nz")
 
@@ -119,7 +119,7 @@ def property_of(words: list[str], order: str) -> Property:
 
 
 def read_lines(lines: list[bytes], element: Element) -> Columns:
-    """The columns of a table of text; a row is a line, and what follows its last property is left out."""
+    """The columns of a table in text. A row is a line; anything after its last property is ignored."""
     rows = rows_of(lines)
     at, ends = rows.starts[:-1].copy(), rows.starts[1:]
     values = np.append(rows.values, 0.0)
@@ -139,7 +139,7 @@ def read_lines(lines: list[bytes], element: Element) -> Columns:
 
 
 def as_binary(text: bytes, elements: list[Element]) -> bytes:
-    """The numbers of a text as doubles, of which all properties then consist."""
+    """The numbers of a text as doubles, after the types of all properties have been changed to double."""
     for one in (one for element in elements for one in element.properties):
         one.kind = np.dtype("<f8")
         one.length = None if one.length is None else one.kind

@@ -25,7 +25,7 @@ PASSES = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), 
 
 @dataclass
 class Header:
-    """What the first chunk says."""
+    """The content of the first chunk, IHDR."""
 
     width: int
     height: int
@@ -35,7 +35,7 @@ class Header:
 
     @property
     def channels(self) -> int:
-        """How many numbers a pixel has in the file."""
+        """The number of channels of a pixel in the file."""
         return CHANNELS[self.kind]
 
     def row_bytes(self, width: int) -> int:
@@ -189,7 +189,7 @@ def by_diagonals(filters: np.ndarray, pixels: np.ndarray) -> np.ndarray:
 
 
 def nearest(left: np.ndarray, up: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """Of the three pixels the one that left + up - across is nearest to, the first of equals (Paeth)."""
+    """The one of three pixels that is nearest to left + up - across, the first among equals (Paeth)."""
     to_left, to_up = np.abs(up - across), np.abs(left - across)
     to_across = np.abs(left + up - 2 * across)
     return np.where((to_left <= to_up) & (to_left <= to_across), left, np.where(to_up <= to_across, up, across))

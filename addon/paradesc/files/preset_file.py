@@ -26,7 +26,7 @@ MARK, VERSION = "paradesc_preset", 1
 SECTIONS = ("settings", "colors", "image")
 LARGEST_FILE = 1_000_000  # bytes
 LONGEST_NAME, LONGEST_PURPOSE, LONGEST_TEXT = 60, 500, 1000
-# No number of a setting has as many digits; Python takes long to read those that have many more.
+# More digits than any setting has. Python takes long to parse numbers with many more.
 MOST_DIGITS = 30
 LARGEST_NUMBER = 3.4e38  # 32-bit floats end just above
 # A file name has to leave room for the suffix, and for what stands around it while the file is written.
@@ -39,7 +39,7 @@ class PresetError(InputError):
 
 @dataclass(frozen=True)
 class Rule:
-    """What the value of a property may be."""
+    """The values that a property may have."""
 
     kind: str  # bool, int, float, text, choice or choices
     default: object
@@ -53,7 +53,7 @@ Rules = dict[str, dict[str, Rule]]  # by section, then by property
 
 @dataclass(frozen=True)
 class Content:
-    """What a preset says. A section that is None is not there: it leaves its settings as they are."""
+    """The content of a preset. A section that is None is missing; its settings then stay as they are."""
 
     name: str
     purpose: str = ""
@@ -62,18 +62,18 @@ class Content:
     image: dict[str, object] | None = None
 
     def sections(self) -> dict[str, dict[str, object]]:
-        """The sections that are there."""
+        """The sections that are not missing."""
         found = {section: getattr(self, section) for section in SECTIONS}
         return {section: members for section, members in found.items() if members is not None}
 
 
 def refuse(path: Path, what: str) -> NoReturn:
-    """Raises the sentence about a file: what is wrong with it, and what to do."""
+    """Raises an error about a file: what is wrong with it, and what to do."""
     raise PresetError(f"The preset file {quoted(str(path))} {what}.")
 
 
 def quoted(value: object) -> str:
-    """A text, or the beginning of any other value as JSON, so that it can be shown anywhere."""
+    """A text, or the beginning of another value's JSON, in a form that can be shown anywhere."""
     if isinstance(value, str):
         text = value if value.isprintable() else ascii(value)[1:-1]
         return f'"{text}"' if len(text) <= LONGEST_TEXT else f'"{text[:LONGEST_NAME]}…"'
@@ -202,7 +202,7 @@ def checked_section(path: Path, content: dict[str, object], section: str) -> dic
 
 
 def check(path: Path, content: Content, rules: Rules) -> None:
-    """Raises PresetError about the first property that no rule knows or whose value breaks its rule."""
+    """Raises PresetError about the first property that is unknown or has a value against its rule."""
     for section, members in content.sections().items():
         for name, value in members.items():
             rule = rules[section].get(name)
@@ -214,7 +214,7 @@ def check(path: Path, content: Content, rules: Rules) -> None:
 
 
 def wanted_instead(rule: Rule, value: object) -> str:
-    """What a property takes, in words, if it does not take this value, else ""."""
+    """The values that a property accepts, in words, if this value is not one of them; else ""."""
     if rule.kind == "bool":
         return "" if isinstance(value, bool) else "true or false"
     if rule.kind in ("int", "float"):
@@ -229,7 +229,7 @@ def wanted_instead(rule: Rule, value: object) -> str:
 
 
 def wanted_number(rule: Rule, value: object) -> str:
-    """What a number has to be, in words, or "". Floats are compared in 32 bits, as Blender keeps them."""
+    """The numbers that a property accepts, in words, or "" for this value. Floats are compared as Blender's 32 bits."""
     kinds = int if rule.kind == "int" else (int, float)
     sound = isinstance(value, kinds) and not isinstance(value, bool) and abs(value) <= LARGEST_NUMBER
     if sound:
@@ -244,18 +244,18 @@ def wanted_number(rule: Rule, value: object) -> str:
 
 
 def completed(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
-    """Every property of a section, those that a preset does not name at their defaults."""
+    """Every property of a section; those that the preset does not name have their defaults."""
     return {name: members.get(name, rule.default) for name, rule in rules.items()}
 
 
 def as_kept(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
-    """Values as Blender holds them: floats in 32 bits, choices as sets."""
+    """The values in Blender's form: floats in 32 bits, choices as sets."""
     kinds = {"float": lambda value: float(np.float32(value)), "choices": set}
     return {name: kinds.get(rules[name].kind, lambda value: value)(value) for name, value in members.items()}
 
 
 def plain(value: object) -> object:
-    """A value that Blender holds as JSON has it: the fewest digits that give the same float, choices in order."""
+    """A value of Blender in JSON's form: floats with the fewest digits that give the same float, choices sorted."""
     if isinstance(value, (set, frozenset)):
         return sorted(value)
     if isinstance(value, float) and abs(value) <= LARGEST_NUMBER:
@@ -278,14 +278,14 @@ def text_of(content: Content) -> str:
 
 
 def file_stem(name: str) -> str:
-    """A name as a file may be called on every system, without its suffix."""
+    """The file name for a preset of this name that every system allows, without suffix."""
     words = re.sub(r"[^\w+-]+", "_", name).strip("_")
     stem = words.encode()[:LONGEST_STEM].decode(errors="ignore") or "preset"
     return f"{stem}_" if file_names.RESERVED.fullmatch(stem) else stem
 
 
 def place_of(folder: Path, name: str) -> Path:
-    """The file of a preset of this name in a folder: the one that has it already, else a new one."""
+    """The path of a preset of this name in a folder: its existing file, else a new one."""
     stem = file_stem(name)
     taken = {file_names.folded(path.name) for path in folder.iterdir()}
     there = candidates(folder, stem)
@@ -294,7 +294,7 @@ def place_of(folder: Path, name: str) -> Path:
 
 
 def candidates(folder: Path, stem: str) -> Iterator[Path]:
-    """Files that could be called so: by the name itself, then with a number."""
+    """Possible files for a preset: the stem itself, then with numbers appended."""
     return (folder / f"{one}{SUFFIX}" for one in file_names.numbered(stem))
 
 

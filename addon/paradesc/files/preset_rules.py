@@ -1,6 +1,6 @@
-"""What presets may say, which follows from what there is to choose, and what they mean; and the presets that are ours.
+"""The rules for presets, which follow from core/members.py, the meaning of presets, and the built-in presets.
 
-The rules hold in Blender and without it: one file is one computation. Never imports bpy.
+The rules are the same with and without Blender, so that one file always means one computation. Never imports bpy.
 """
 
 from dataclasses import dataclass, field, replace
@@ -25,7 +25,7 @@ NOTHING = {"bool": False, "int": 0, "float": 0.0, "text": ""}
 
 @dataclass(frozen=True)
 class Preset:
-    """Settings and colors that differ from the defaults, images as they shall be, and what all of it is for."""
+    """A built-in preset: settings and colors that differ from the defaults, image settings, and the purpose."""
 
     label: str
     purpose: str
@@ -34,7 +34,7 @@ class Preset:
     image: dict[str, object] = field(default_factory=dict)
 
     def content(self) -> Content:
-        """The same as a preset file says it."""
+        """The preset in the form of a preset file."""
         settings = {name: preset_file.plain(value) for name, value in self.members.items()}
         return Content(self.label, self.purpose, settings, self.colors, self.image)
 
@@ -79,13 +79,13 @@ PRESETS = {
 
 
 def setting_members() -> dict[str, Member]:
-    """The settings that a preset sets, without colors and images."""
+    """The settings that a preset contains, without colors and images."""
     groups = [group for group in members.GROUPS if group != members.output_members]
     return {name: member for group in groups for name, member in group().items() if name not in NO_PRESET}
 
 
 def image_members() -> dict[str, Member]:
-    """What a preset says of images: their kind and size, never whether and where files are written."""
+    """The image settings that a preset contains: kind and size, but never whether or where files are written."""
     return {
         name: member
         for name, member in members.output_members().items()
@@ -94,9 +94,9 @@ def image_members() -> dict[str, Member]:
 
 
 def rules() -> Rules:
-    """What each member of each section may be."""
+    """The rule of each member, by section."""
     settings = setting_members()
-    # A preset has the radius that it says, or the usual one: those of earlier versions do not know any other.
+    # A preset without a radius fit has the radius that it names, or the default: earlier versions had no fitted radii.
     settings["radius_fit"] = replace(settings["radius_fit"], words={**settings["radius_fit"].words, "default": "typed"})
     found = {"settings": settings, "colors": members.color_members(), "image": image_members()}
     return {section: {name: rule_of(one) for name, one in there.items()} for section, there in found.items()}
@@ -119,14 +119,14 @@ def rule_of(member: Member) -> Rule:
 
 
 def sound(path: Path) -> Content:
-    """Reads a preset and checks all of it; raises PresetError."""
+    """Reads a preset and checks all of it; raises PresetError if anything is wrong."""
     content = read_any(path)
     check(path, content)
     return content
 
 
 def check(path: Path, content: Content) -> None:
-    """Raises PresetError if any member is unknown or may not be what it is, also together with others."""
+    """Raises PresetError if a member is unknown, has a forbidden value, or contradicts another member."""
     known = rules()
     preset_file.check(path, content, known)
     for section, fault in (("settings", choices.settings_fault), ("colors", choices.look_fault)):
@@ -143,7 +143,7 @@ def check(path: Path, content: Content) -> None:
 
 
 def settings_of(content: Content, base: Settings) -> Settings:
-    """The settings with those of a preset; the device, the space and the limit of memory stay."""
+    """The settings with those of a preset; device, space and memory limit stay."""
     texels = (content.image or {}).get("texels", base.options.texels)
     if content.settings is None:
         return replace(base, options=replace(base.options, texels=texels))
@@ -153,7 +153,7 @@ def settings_of(content: Content, base: Settings) -> Settings:
 
 
 def look_of(content: Content, otherwise: Look | None) -> Look | None:
-    """The look that a preset asks for, if it says anything of colors."""
+    """The look that a preset asks for, or None if it has no colors."""
     if content.colors is None:
         return otherwise
     return choices.look_of(SimpleNamespace(**preset_file.completed(content.colors, rules()["colors"])))

@@ -18,15 +18,15 @@ from ..core.job import Results, Transfer
 from . import picture, png
 from .paths import name_fault
 
-# Names of files may hold bytes that are no text; JSON reads this way to write them.
+# File names may contain bytes that are not valid text; this error handler lets JSON write them.
 ESCAPED = "backslashreplace"
-# So much of a name is in that of the file that is written first, which must not be too long where the name itself fits.
+# So much of a name is used for the temporary file, which must not be too long if the name itself fits.
 LONGEST_STEM = 60
 
 
 @dataclass
 class Baked:
-    """One object's results, with all that files need to know about the object."""
+    """One object's results, with the facts about the object that files need."""
 
     object_name: str
     results: Results
@@ -37,12 +37,12 @@ class Baked:
 
     @property
     def at_faces(self) -> bool:
-        """Whether the results are values of the triangles, and not of the vertices."""
+        """Whether the results are values of triangles instead of vertices."""
         return self.results.settings.domain == "faces"
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """The results as (n,) columns."""
+        """The results and extras as (n,) columns."""
         return columns_of({**self.results.values, **self.results.extras})
 
     def shown(self, name: str) -> color_maps.ValueRange:
@@ -77,7 +77,7 @@ def write_npz(path: Path, baked: Baked) -> None:
 
 
 def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
-    """What a .npz file holds of one object."""
+    """The arrays of one object for a .npz file."""
     placed = {"vertices": baked.arrays.positions, "matrix_world": baked.matrix_world}
     if baked.at_faces:
         placed["triangles"] = baked.arrays.triangle_vertices
@@ -117,7 +117,7 @@ def write_picture(path: Path, baked: Baked) -> None:
     matrix = baked.matrix_world
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     triangles, times = baked.arrays.triangle_vertices, 1
-    if baked.at_faces:  # each has vertices of its own, which have its color
+    if baked.at_faces:  # each triangle has its own vertices, which have its color
         points, triangles, times = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3), 3
     views = []
     for name in baked.results.values:
@@ -136,7 +136,7 @@ def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
 
 
 def joined(baked: list[Baked]) -> Baked:
-    """Joins several objects into one in world space, with one range of colors; directions are turned along."""
+    """Joins several objects into one in world space, with one range of colors. Directions rotate with the objects."""
     first = baked[0].results
     positions, corner_vertices, triangle_corners = [], [], []
     vertices = corners_before = 0
@@ -161,7 +161,7 @@ def joined(baked: list[Baked]) -> Baked:
 
 
 def joined_transfer(baked: list[Baked]) -> Transfer | None:
-    """Where the values of several objects come from, for one range of colors; they have no image in common."""
+    """The transfers of several objects as one, for a common range of colors; there is no common image."""
     found = [one.results.transfer for one in baked]
     if found[0] is None:
         return None
@@ -170,7 +170,7 @@ def joined_transfer(baked: list[Baked]) -> Transfer | None:
 
 
 def world_values(baked: Baked, name: str) -> np.ndarray:
-    """(n,) values as they are, (n, 3) directions in world space."""
+    """(n,) values unchanged, (n, 3) directions turned into world space."""
     values = baked.results.values[name]
     if values.ndim == 1 or baked.results.settings.space == "world":
         return values
@@ -180,7 +180,7 @@ def world_values(baked: Baked, name: str) -> np.ndarray:
 
 
 def report(baked: Baked) -> dict[str, object]:
-    """The report on one object of a bake, without values and without what is the same for all objects."""
+    """The report on one object of a bake, without values and without facts that all objects share."""
     results = baked.results
     ranges = {}
     for name, values in results.values.items():
@@ -207,7 +207,7 @@ def report(baked: Baked) -> dict[str, object]:
 
 
 def statistics(values: np.ndarray) -> dict[str, float | int | None]:
-    """The range of (n,) or (n, 3) values, and at how many vertices they do not exist."""
+    """The range of (n,) or (n, 3) values, and the number of vertices without a value."""
     finite = values[np.isfinite(values)]
     return {
         "minimum": float(finite.min()) if finite.size else None,
@@ -217,7 +217,7 @@ def statistics(values: np.ndarray) -> dict[str, float | int | None]:
 
 
 def transfer_report(transfer: Transfer | None) -> dict[str, object]:
-    """Which surfaces the values come from, and how many texels met none; nothing of a bake of the mesh itself."""
+    """The sources of transferred values, and how many texels met none of them; empty for a bake of the mesh itself."""
     if transfer is None:
         return {}
     names = ("sources", "cage", "texels", "missed")
@@ -238,7 +238,7 @@ def write_json(path: Path, content: object) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a text in which names of files may be."""
+    """Writes a text that may contain file names."""
     path.write_text(text, encoding="utf-8", errors=ESCAPED)
 
 
@@ -248,12 +248,12 @@ def json_text(content: object, ascii_only: bool = False) -> str:
 
 
 def part_path(path: Path) -> Path:
-    """The place beside its own where a file or folder is written first; every writer has another one."""
+    """A temporary path beside the final one, different for every writer."""
     return path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")
 
 
 def place_fault(path: Path) -> str:
-    """One sentence about why nothing can be at a place, by its name or its folder, or ""."""
+    """One sentence about why a path cannot be written, because of its name or its folder, or ""."""
     fault, folder = name_fault(path), path.absolute().parent
     if fault:
         return f'"{path}" cannot be written: {fault}.'
@@ -288,7 +288,7 @@ def make_folder(folder: Path) -> None:
 
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
-    """Writes beside the path first: a failure leaves no half file, and keeps an old file as it was."""
+    """Writes a temporary file beside the path first, so that a failure leaves no half file and keeps an old one."""
     temporary = part_path(path)
     try:
         writer(temporary, content)

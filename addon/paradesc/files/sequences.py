@@ -15,7 +15,7 @@ WILD = re.compile(r"[*?\[]")
 
 
 def is_sequence(given: Path) -> bool:
-    """Whether a path stands for several files: a folder, or a name with # or * in it that is no file itself."""
+    """Whether a path stands for several files: a folder, or a pattern with # or * that is not itself a file."""
     return is_folder(given) or (bool(HASHES.search(given.name) or WILD.search(given.name)) and not is_file(given))
 
 
@@ -45,7 +45,7 @@ def frames_of(given: Path) -> dict[int, Path]:
 
 
 def patterns(given: Path) -> tuple[re.Pattern[str], re.Pattern[str]]:
-    """What the names of a sequence's files match, and the number in their stems."""
+    """Two patterns: for the names of a sequence's files, and for the frame number in their stems."""
     if is_folder(given):
         return re.compile(".*"), NUMBER
     hashes = HASHES.search(given.name)
@@ -57,6 +57,6 @@ def patterns(given: Path) -> tuple[re.Pattern[str], re.Pattern[str]]:
 
 
 def name_of(given: Path, first: Path) -> str:
-    """What a sequence is called: its files' common name without number, or its folder's."""
+    """The name of a sequence: the common name of its files without the number, or the name of its folder."""
     stem = NUMBER.sub("", first.stem).rstrip("_-. ")
     return stem or (given if is_folder(given) else given.parent).absolute().name or "mesh"

@@ -74,15 +74,15 @@ def is_numeric(line: bytes, kind: type = np.float64) -> bool:
 
 
 def first_fault(lines: list[bytes], kind: type = np.float64) -> int:
-    """The place of the first line with anything but numbers; 0 if none is known."""
+    """The index of the first line with anything but numbers; 0 if none is found."""
     return next((place for place, line in enumerate(lines) if not is_numeric(line, kind)), 0)
 
 
 def no_numbers(line: bytes) -> str:
-    """Says of a line that it holds anything but numbers."""
+    """A sentence's end about a line that contains anything but numbers."""
     return "is no row of numbers" + ("; decimals take a point" if b"," in line else "")
 
 
 def shown(line: bytes) -> str:
-    """A line for a sentence."""
+    """The line in a form that fits into a sentence."""
     return " ".join(line.decode("utf-8", "replace").split())[:60]

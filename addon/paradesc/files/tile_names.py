@@ -11,26 +11,26 @@ SET_APART = re.compile(rf"[._-]?{TOKEN}")
 
 
 def with_word(path: Path, word: str) -> Path:
-    """The path with a word and an underscore before it at the end of its name: before the suffix, and the tile."""
+    """The path with an underscore and a word appended to its name, before the tile's token and the suffix."""
     name, found = path.stem, SET_APART.search(path.stem)
     place = found.start() if found else len(name)
     return path.with_name(f"{name[:place]}_{word}{name[place:]}{path.suffix}")
 
 
 def with_token(path: Path) -> Path:
-    """The path with a place for the number of a tile."""
+    """The path with the token for a tile's number."""
     return path if TOKEN in path.name else path.with_name(f"{path.stem}.{TOKEN}{path.suffix}")
 
 
 def of_tile(path: Path, tile: int | None) -> Path:
-    """The path of a tile; None: of an image that is no tile, but may be asked for as the first one."""
+    """The path of a tile. With None, it is that of a single image, which may be asked for as the first tile."""
     if tile is None and TOKEN not in path.name:
         return path
     return path.with_name(with_token(path).name.replace(TOKEN, str(tile or udim.FIRST)))
 
 
 def fault(path: Path) -> str:
-    """One sentence about a path that names no tiles in the way that it should, or ""."""
+    """One sentence about a path with a wrong token for tiles, or ""."""
     if TOKEN in str(path.parent):
         return f'{TOKEN} stands in a folder of "{path}"; it has to be in the name of the file.'
     if path.name.count(TOKEN) > 1:

@@ -1,4 +1,4 @@
-"""Tells about how many triangles a mesh file has by its first bytes and its size, without reading it.
+"""Estimates the number of triangles in a mesh file by its first bytes and its size, without reading all of it.
 
 A list of tasks for a million files must not take as long as the tasks.
 """
@@ -54,7 +54,7 @@ def counted_gltf(first: bytes, size: int) -> int:
         text = first[20 : 20 + length]
     try:
         content = json.loads(text)
-    except ValueError:  # longer than what was read
+    except ValueError:  # the part that was read ends within the JSON
         return size // GLTF_BYTES
     primitives = [part for mesh in content.get("meshes", []) for part in mesh["primitives"]]
     counts = [

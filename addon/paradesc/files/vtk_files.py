@@ -10,7 +10,7 @@ import numpy as np
 
 from .results import Baked
 
-# VTK's names of types, by numpy's.
+# VTK's names of number types, by numpy's type strings.
 KINDS = {"<f4": "Float32", "<f8": "Float64", "<i4": "Int32", "<i8": "Int64"}
 
 

@@ -25,21 +25,21 @@ KINDS = {
 FACES, STRIPS = b"POLYGONS", b"TRIANGLE_STRIPS"
 CELLS = (FACES, STRIPS, b"VERTICES", b"LINES")
 VALUES = (b"POINT_DATA", b"CELL_DATA")
-# In text, numbers end where a line begins with another word than those for what is no number.
+# In text, an array ends at a line that begins with a word, other than the words for missing numbers.
 WORD = re.compile(rb"^[ \t]*(?!nan\b|inf\b|infinity\b)[A-Za-z_]", re.MULTILINE | re.IGNORECASE)
 Cells = tuple[np.ndarray, np.ndarray]  # (c,) vertices of all cells one after the other, and (m,) how many each has
 
 
 @dataclass
 class Content:
-    """A file that is read from its beginning to its end."""
+    """A reading position in a file."""
 
     body: bytes
     at: int
     is_text: bool
 
     def words(self) -> list[bytes]:
-        """The words of the next line that has any; none at the end."""
+        """The words of the next line that is not empty; none at the end."""
         while self.at < len(self.body):
             end = self.body.find(b"\n", self.at)
             end = len(self.body) if end < 0 else end
@@ -127,13 +127,13 @@ def count_of(word: bytes) -> int:
 
 
 def pass_metadata(file: Content) -> None:
-    """Leaves out what VTK adds about an array, up to an empty line."""
+    """Skips VTK's metadata about an array, which ends at an empty line."""
     ends = [end + 2 for mark in (b"\n\n", b"\n\r") if (end := file.body.find(mark, file.at - 1)) >= 0]
     file.at = min(ends, default=len(file.body))
 
 
 def pass_field(file: Content, arrays: int) -> None:
-    """Leaves out arrays of values that belong to the whole file."""
+    """Skips arrays that belong to the file as a whole."""
     for _ in range(arrays):
         words = file.words()
         if words and words[0].upper() == b"METADATA":

@@ -36,7 +36,7 @@ class Document:
 
     @property
     def order(self) -> str:
-        """The order of bytes, for numpy."""
+        """The byte order, as numpy writes it."""
         return ">" if self.root.get("byte_order") == "BigEndian" else "<"
 
     def array(self, element: ElementTree.Element) -> np.ndarray:
@@ -59,13 +59,13 @@ class Document:
         return np.frombuffer(content, kind, len(content) // kind.itemsize)
 
     def behind(self, offset: int) -> bytes:
-        """The bytes of an array that begins so far behind the XML."""
+        """The bytes of an array at this offset in the appended data."""
         if offset >= len(self.appended):
             raise ValueError("an array of it lies behind its end; it was cut off")
         return self.unpacked(self.appended, offset) if self.is_raw else self.decoded(self.appended, offset)
 
     def decoded(self, text: bytes, offset: int) -> bytes:
-        """The bytes of an array in base64; its header is a text of its own if that is padded, or the array packed."""
+        """The bytes of an array in base64. Its header is encoded apart if it is padded, or the array compressed."""
         width = self.head.itemsize
         if not self.compressor:
             size = int(np.frombuffer(from_base64(text, offset, width), self.head)[0])
@@ -80,12 +80,12 @@ class Document:
 
     @property
     def head(self) -> np.dtype:
-        """The type of the numbers before an array."""
+        """The type of the header's numbers before each array."""
         return np.dtype(self.order + KINDS.get(self.root.get("header_type", "UInt32"), "u4"))
 
     @property
     def compressor(self) -> str:
-        """What packed the arrays, or nothing."""
+        """The compressor of the arrays; "" if they are not compressed."""
         found = self.root.get("compressor", "")
         if found not in ("", ZLIB):
             raise ValueError(f"its arrays are packed by {found}, which is unknown here; save it with zlib or none")
@@ -186,19 +186,19 @@ def whole_number(text: str | None) -> int:
 
 
 def taken(body: bytes, at: int, size: int) -> bytes:
-    """So many bytes from one of them on."""
+    """So many bytes, beginning at this one; raises if the file ends before."""
     if at + size > len(body):
         raise ValueError("it ends within an array; it was cut off")
     return body[at : at + size]
 
 
 def of_base64(size: int) -> int:
-    """How many letters so many bytes are."""
+    """The number of base64 letters for so many bytes."""
     return -(-size // 3) * 4
 
 
 def from_base64(text: bytes, at: int, size: int) -> bytes:
-    """So many bytes that begin at a letter."""
+    """So many bytes, decoded from the letters that begin here."""
     letters = taken(text, at, of_base64(size))
     try:
         found = base64.b64decode(letters.rstrip(b"=") + b"=" * (-size % 3), validate=True)

@@ -1,4 +1,4 @@
-"""Says what a file is that is not what its name says: a pointer, a web page, an archive, or text in UTF-16."""
+"""Recognizes files that are not of the kind their name says: a pointer, a web page, an archive, or text in UTF-16."""
 
 import re
 
@@ -24,7 +24,7 @@ TEXTS = (".obj", ".off")
 
 
 def fault(suffix: str, first: bytes) -> str:
-    """Says what a file with this suffix and these first bytes is instead, or gives ""."""
+    """Says what a file is instead, if this suffix does not fit its first bytes; else ""."""
     found = next((sentence for beginning, sentence in BEGINNINGS if first.startswith(beginning)), "")
     if found:
         return found

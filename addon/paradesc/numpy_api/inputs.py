@@ -87,13 +87,13 @@ def rows_of(faces: object) -> tuple[np.ndarray, np.ndarray]:
 
 
 def vertices_of(given: object, vertex_count: int) -> np.ndarray:
-    """(n,) vertices that are asked for, counted from 0."""
+    """(n,) vertices asked for, counted from 0."""
     array = np.atleast_1d(whole(given, "at", "vertices counted from 0 are needed", 1))
     return indices(array, vertex_count, lambda place: f"Entry {place} of at")
 
 
 def edges_of(edges: object, vertex_count: int) -> np.ndarray | None:
-    """(k, 2) int32 pairs of vertices; None if there are none."""
+    """(k, 2) int32 pairs of vertices; None if there are no edges."""
     wanted = "(k, 2) pairs of vertices are needed"
     array = numbers(edges, "sharp_edges", wanted)
     if array.size == 0:
@@ -105,7 +105,7 @@ def edges_of(edges: object, vertex_count: int) -> np.ndarray | None:
 
 
 def indices(array: np.ndarray, vertex_count: int, owner: object) -> np.ndarray:
-    """(c,) int32 numbers of vertices; owner(place) names what a wrong one stands in."""
+    """(c,) int32 vertex numbers. owner(index): the part of the input with a wrong number, for the error."""
     wrong = (array < 0) | (array >= vertex_count)
     if wrong.any():
         at = int(wrong.argmax())
@@ -165,7 +165,7 @@ def numbers(values: object, name: str, wanted: str) -> np.ndarray:
     return array
 
 
-# What a sentence calls the types of numpy that are no real numbers.
+# Words for arrays whose type is not a real number, by the kind of numpy's dtype.
 KINDS = {
     "b": "truth values",
     "c": "complex numbers",

@@ -24,12 +24,12 @@ Domain = Literal["vertices", "faces"]
 Backend = Literal["auto", "gpu", "cpu", "software", "reference"]
 
 DEFAULTS = {field.name: field.default for field in fields(bridge.Options)}
-# Those of the settings that belong to the machine, with their largest values.
+# The settings that belong to the machine, with their largest values.
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
 
 
 class UnknownOptionError(InputError, TypeError):
-    """Says that an argument has a name that no option has."""
+    """An argument has a name that is not an option's."""
 
 
 class MoreOptions(TypedDict, total=False):
@@ -111,7 +111,7 @@ def radii_of(given: object) -> tuple[float, ...]:
 
 
 def lengths_of(given: object, unit: object, arrays: bridge.MeshArrays) -> list[float]:
-    """Two radii or more of a profile as lengths that rise."""
+    """The two or more radii of a profile, as lengths in ascending order."""
     radii = radii_of(given)
     if len(set(radii)) < 2 or len(set(radii)) < len(radii):
         raise InputError(f"radii is {shown(given)}; give two or more, each once.")
@@ -131,7 +131,7 @@ def option_of(name: str, value: object) -> object:
 
 
 def choice_of(name: str, value: object, choices: Iterable[str]) -> str:
-    """One of the names there are."""
+    """The value, if it is one of the choices."""
     if not isinstance(value, str) or value not in choices:
         raise InputError(f"{name} is {shown(value)}; choose one of {', '.join(choices)}.")
     return str(value)
@@ -166,7 +166,7 @@ def check_machine(machine: dict[str, int]) -> None:
 
 
 def shown(value: object) -> str:
-    """A value in a sentence: short, and on one line."""
+    """A value as a sentence shows it: short, and on one line."""
     try:
         text = ascii(value) if isinstance(value, str) else repr(value)
     except Exception:  # noqa: BLE001 (whatever a foreign object does, the sentence is about its type)

@@ -34,7 +34,7 @@ def kind_of(mesh: object) -> str:
 
 
 def vertices_and_faces(mesh: object) -> tuple[object, object]:
-    """The arrays of a mesh of another package; (mesh, None) if it is none."""
+    """The vertices and faces of a mesh of another package; (mesh, None) for any other object."""
     kind = kind_of(mesh)
     if kind == "open3d tensor":
         return tensor(mesh.vertex, "positions"), tensor(mesh.triangle, "indices")
