@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-# How the values of each type of attribute are read and written, and how many numbers each has.
+# The member that holds each attribute type's values, and the count of numbers in it.
 COLOR = ("color", 4)
 MEMBERS = {"FLOAT": ("value", 1), "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": COLOR, "BYTE_COLOR": COLOR}
 

@@ -19,54 +19,54 @@ from .node_groups import MARK, add_modifier, add_node, add_socket, new_group
 
 KIND = "Paradesc Values"
 MODIFIER = "Paradesc"
-# The name of the node that has the carrier.
+# The name of the node with the carrier.
 CARRIER = "Values"
 # The type of the sockets, and of the switch, for each type of an attribute.
 SOCKETS = {"FLOAT": ("VALUE", "FLOAT"), "FLOAT_VECTOR": ("VECTOR", "VECTOR"), "FLOAT_COLOR": ("RGBA", "RGBA")}
-# The custom property of a group with what we made it of.
+# The custom property that marks a group as ours.
 LEFT = "paradesc_left"
-# Another one with the attributes that it stores, and how.
+# The custom property with the attributes that a group stores, and how.
 STORED = "paradesc_stored"
 NEAREST = "GeometryNodeSampleNearestSurface"
-# The counts that tell whether the modifiers make the vertices and faces that were measured.
+# The counts that tell whether the modifiers made the vertices and faces that were measured.
 COUNTS = ("Point Count", "Face Corner Count")
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier was made to carry values and its nodes are as we left them."""
+    """Whether a modifier is our carrying modifier with its nodes as we left them."""
     group = modifier.node_group if modifier.type == "NODES" else None
     return group is not None and is_own(group)
 
 
 def is_own(group: bpy.types.NodeTree) -> bool:
-    """Whether nobody has edited these nodes of ours or given them another object; the carrier may have been deleted."""
+    """Whether the nodes are ours, unedited, and read a carrier of ours; the carrier may have been deleted."""
     return is_left(group) and (held_by(group) is None or is_carrier(held_by(group)))
 
 
 def is_left(group: bpy.types.NodeTree) -> bool:
-    """Whether these are nodes of ours that nobody has edited."""
+    """Whether a node group is ours and nobody has edited it."""
     return group.get(MARK) == KIND and group.library is None and group.get(LEFT) == structure(group)
 
 
 def is_carrier(item: bpy.types.Object | None) -> bool:
-    """Whether this is an object that only holds the values of another one."""
+    """Whether an object is a carrier, which only holds the values of another object."""
     return item is not None and item.get(MARK) == KIND
 
 
 def modifier_of(target: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The modifier that carries the object's values; None if there is none that is as we left it."""
+    """The modifier that carries the object's values; None if it is missing or was edited."""
     return next((item for item in target.modifiers if is_ours(item)), None)
 
 
 def carrier_of(target: bpy.types.Object) -> bpy.types.Mesh | None:
-    """The mesh with the values that the object's modifier stores, if there are any."""
+    """The carrier's mesh, which holds the values that the object's modifier stores; None without one."""
     modifier = modifier_of(target)
     carrier = None if modifier is None else held_by(modifier.node_group)
     return None if carrier is None else carrier.data
 
 
 def held_by(group: bpy.types.NodeTree) -> bpy.types.Object | None:
-    """The carrier whose values a group stores; None if somebody has deleted it."""
+    """The carrier from which a group reads its values; None if it was deleted."""
     return group.nodes[CARRIER].inputs["Object"].default_value
 
 
@@ -84,7 +84,7 @@ def carried_values(target: bpy.types.Object, mesh: bpy.types.Mesh) -> dict[str, 
 
 @dataclass(frozen=True)
 class Measured:
-    """The sizes of the mesh that the modifiers made when it was measured."""
+    """The counts of vertices and corners of the measured mesh, and how its values are stored."""
 
     points: int
     corners: int
@@ -104,10 +104,10 @@ def emptied(target: bpy.types.Object) -> bpy.types.Mesh:
 
 
 def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) -> None:
-    """Makes this mesh that of the carrier, whose recorded attributes the modifier stores from now on.
+    """Makes this the carrier's mesh. From now on the modifier stores the attributes in its record.
 
-    Objects that share the mesh before modifiers get the same modifier, as their own vertices share the values. What
-    others use as well, such as copies with a mesh of their own, stays theirs.
+    Objects with the same mesh before modifiers get the same modifier, as they share the values of their own vertices
+    too. A group or carrier that other objects use as well, such as copies with their own mesh, is not changed.
     """
     own = own_group(target)
     carrier = new_carrier(target, mesh) if own is None else held_by(own)
@@ -122,13 +122,13 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) ->
 
 
 def measured_of(group: bpy.types.NodeTree) -> Measured:
-    """The sizes of the mesh that was measured, by the nodes of a group."""
+    """The counts in the nodes of a group, and how it stores values."""
     points, corners = (integers(group.nodes[name])[1].default_value for name in COUNTS)
     return Measured(points, corners, any(node.bl_idname == NEAREST for node in group.nodes))
 
 
 def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
-    """Makes a shown modifier with this group the last one of the object, the only one of ours."""
+    """Makes our modifier with this group the object's last one, visible, and the only one of ours."""
     for modifier in [item for item in target.modifiers if is_ours(item)]:
         if modifier == target.modifiers[-1]:
             former = modifier.node_group
@@ -140,9 +140,9 @@ def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
 
 
 def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
-    """Lets every object with this mesh show its own attributes of these names again; the modifier goes if none is left.
+    """Stops carrying these attributes to the objects with this mesh; the modifier goes if no attribute is left.
 
-    Values have just been written to the mesh itself, and those that were carried would hide them.
+    The values have just been written to the mesh itself, where carried values of the same names would hide them.
     """
     for target in sharing(mesh):
         modifier, carried = modifier_of(target), carried_names(target)
@@ -180,7 +180,7 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
 
 
 def new_carrier(target: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """An object in no collection: no view layer shows, selects, renders or exports it."""
+    """A new carrier. It is in no collection, so that no view layer shows, selects, renders or exports it."""
     carrier = bpy.data.objects.new(f"{target.name} {CARRIER}", mesh)
     carrier[MARK] = KIND
     return carrier
@@ -189,7 +189,7 @@ def new_carrier(target: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obj
 def remove_modifier(
     target: bpy.types.Object, modifier: bpy.types.NodesModifier, keep: bpy.types.NodeTree | None = None
 ) -> None:
-    """Removes our modifier, and its group unless that is to be kept."""
+    """Removes our modifier, and its group unless it is the one to keep."""
     group = modifier.node_group
     target.modifiers.remove(modifier)
     if group != keep:
@@ -197,13 +197,13 @@ def remove_modifier(
 
 
 def sweep() -> None:
-    """Removes groups of ours whose modifiers somebody has deleted, with what they carried."""
+    """Removes our groups whose modifiers somebody has deleted, with their carriers."""
     for group in [one for one in bpy.data.node_groups if not one.users and is_own(one)]:
         remove_unused(group)
 
 
 def remove_unused(group: bpy.types.NodeTree) -> None:
-    """Removes a group that nothing uses, and its carrier if nothing else uses that."""
+    """Removes a group that is no longer used, and its carrier if that is not used otherwise."""
     if group.users:
         return
     carrier = held_by(group)
@@ -219,7 +219,7 @@ def remove_unused(group: bpy.types.NodeTree) -> None:
 
 
 def group_for(own: bpy.types.NodeTree | None, kinds: list[tuple[str, str]], by_place: bool) -> bpy.types.NodeTree:
-    """A group that stores these attributes, each a name and a type: the own one if it does, or a copy, or a new one."""
+    """A group that stores these attributes, by name and type: the object's own, a copy of another, or a new one."""
     wanted = repr((kinds, by_place))
     if own is not None and own.get(STORED) == wanted:
         return own
@@ -233,7 +233,7 @@ def group_for(own: bpy.types.NodeTree | None, kinds: list[tuple[str, str]], by_p
 
 
 def structure(group: bpy.types.NodeTree) -> str:
-    """A digest of a group's parts that stays when a newer Blender opens the file: its nodes have other sockets."""
+    """A digest of a group's nodes and links, without sockets that are not linked: a newer Blender may change those."""
     nodes = [(node.bl_idname, node.name, node.mute, name_in(node)) for node in group.nodes]
     ends = [(link.from_node, link.from_socket, link.to_node, link.to_socket) for link in group.links]
     links = sorted(tuple(end.name for end in link) for link in ends)
@@ -247,7 +247,7 @@ def name_in(node: bpy.types.Node) -> str:
 
 
 def build(group: bpy.types.NodeTree, kinds: list[tuple[str, str]], by_place: bool) -> None:
-    """Fills an empty group with the nodes that store these attributes of the carrier."""
+    """Fills an empty group with nodes that store these attributes of the carrier."""
     add_socket(group, "Geometry", "geometry")
     add_socket(group, "Geometry", "geometry", output=True)
     given = add_node(group, "NodeGroupInput", (-1000, 0)).outputs[0]

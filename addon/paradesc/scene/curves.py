@@ -1,4 +1,4 @@
-"""Finds the curves that animate a datablock, in layers or as they were before Blender 4.4."""
+"""Finds the F-curves that animate a datablock, in layered actions and in those before Blender 4.4."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ import bpy
 
 
 def curves_of(animation: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
-    """The curves with keys, whether of the action or of strips."""
+    """The F-curves with keyframes, from the action or its strips."""
     strips = (strip.action for track in animation.nla_tracks for strip in track.strips)
     for action in filter(None, (animation.action, *strips)):
         if getattr(action, "layers", None):

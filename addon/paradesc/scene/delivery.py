@@ -16,7 +16,7 @@ COPY_SUFFIX = "_paradesc"
 
 
 def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
-    """Writes the results where they belong, or nothing; gives sentences about what stays beside them."""
+    """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them."""
     if not reading.generated:
         return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
@@ -25,7 +25,7 @@ def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.R
 
 
 def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
-    """Carries the results to what the modifiers make; the object's own vertices get theirs, or the nearest ones."""
+    """Carries the results to the generated mesh. The object's own vertices get their values, or the nearest ones."""
     arrays, is_lost = reading.arrays, reading.vertices is None
     if is_lost:
         reading = replace(reading, vertices=nearest(target.data, arrays))
@@ -41,16 +41,16 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
 
 
 def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
-    """The sizes of the mesh that was measured, for its carrier; is_lost: it lacks own vertices of the object."""
+    """The counts for the carrier; is_lost: whether the measured mesh lacks some of the object's own vertices."""
     return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
 
 
 def carrier_mesh(
     target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
 ) -> bpy.types.Mesh:
-    """The mesh of a carrier, with the values of earlier bakes whose attributes the object's own mesh still has.
+    """A carrier's mesh, with values of earlier bakes whose attributes still exist on the object's own mesh.
 
-    It has faces only where places have to be found again, because own vertices are lost.
+    It has faces only if own vertices are lost, because the nearest place on them is then looked up.
     """
     mesh, faces = carrying.emptied(target), arrays.triangle_vertices if is_lost else np.empty((0, 3), np.int32)
     fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
@@ -63,7 +63,7 @@ def carrier_mesh(
 
 
 def on_original(results: Results, reading: source_meshes.Reading) -> Results:
-    """Brings the results to the object's own vertices."""
+    """The results at the object's own vertices."""
     if reading.vertices is None:
         return results
     at = reading.vertices
@@ -82,7 +82,7 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
         seam_error={name: values[at] for name, values in results.seam_error.items()},
-        unwrapped=None,  # it is a layout of the evaluated mesh, which nothing keeps
+        unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
         corners=corners,
     )
 
@@ -97,7 +97,7 @@ def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:
 
 
 def former_notes(target: bpy.types.Object) -> list[str]:
-    """Says that result objects, which earlier versions made, stay as they are."""
+    """A note about result objects of earlier versions, which stay as they are."""
     found = [item for item in bpy.data.objects if item.get(record.PROPERTY) == target.name and item.library is None]
     return [
         f'The object "{item.name}" of an earlier version stays as it is: values are on "{target.name}" itself now.'
@@ -109,14 +109,14 @@ def former_notes(target: bpy.types.Object) -> list[str]:
 
 
 def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
-    """An object beside this one, with its modifiers applied and every value on the vertices that they make."""
+    """A copy of the object with its modifiers applied and all values on the resulting vertices."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(
         target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
     for name in (record.PROPERTY, ownership.PROPERTY):
         if name in mesh:
-            del mesh[name]  # a record's attributes may not all be there
+            del mesh[name]  # a record may name attributes that do not exist here
     record.take_over(target.data, mesh)
     ownership.leave(mesh, record.attributes_of(mesh))
     active = target.data.color_attributes.active_color

@@ -9,11 +9,11 @@ from . import mesh_io, node_groups
 from .images import MARK, OBJECT
 
 FRAME = "Paradesc"
-# The custom property of nodes that are ours; those of images say whose mask they hold, and which image they had.
+# The custom properties of our nodes. Those on image nodes say whose mask the node holds, and which image it had.
 OWN, LEFT = "paradesc_node", "paradesc_node_left"
-# The custom property of nodes of ours that give a mask from vertices.
+# The custom property of our nodes that give a mask from vertex values.
 OF_VERTICES = "paradesc_mask_of"
-# The inputs of those groups that take a mask, and the descriptors that these are.
+# The inputs of our groups that take a mask, and their descriptors.
 TAKEN = {"Cavity": "cavity", "Edges": "convexity", "Edge Wear": "convexity"}
 CHANNELS = ("Red", "Green", "Blue")
 # Nodes stand so far from each other, in the node editor's units.
@@ -26,12 +26,12 @@ class Texture:
 
     image: bpy.types.Image
     holds: tuple[str, ...]  # the names of the values
-    uv_map: str = ""  # which it lies over; "": the one that is rendered with
-    repeats: bool = False  # that map lies beyond the image
+    uv_map: str = ""  # the UV map it lies over; "": the one that renders use
+    repeats: bool = False  # whether the UV map reaches beyond the image
 
     @property
     def key(self) -> str:
-        """Says of which object's mask a node is."""
+        """The object and values of the texture, by which a node of an earlier bake is found."""
         return f"{self.image.get(OBJECT, '')}: {', '.join(self.holds)}"
 
     @property
@@ -41,7 +41,7 @@ class Texture:
 
 
 def add_to_material(target: bpy.types.Object, textures: list[Texture], active: int = 0) -> bpy.types.Material:
-    """Puts textures into the object's active material; an object without one gets one that shows the active texture."""
+    """Adds textures to the object's active material. An object without a material gets one that shows the texture."""
     material = target.active_material
     if material is None:
         if target.data.library is not None or target.data.override_library is not None:
@@ -73,7 +73,7 @@ def new_material(name: str) -> bpy.types.Material:
 
 
 def show(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
-    """Makes the image the base color of the material's shader, unless something else is already."""
+    """Links the image to the base color of the material's shader, unless something else is linked there."""
     shader = next((item for item in tree.nodes if item.type == "BSDF_PRINCIPLED"), None)
     if shader is not None and not shader.inputs["Base Color"].is_linked:
         tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
@@ -83,7 +83,7 @@ def show(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
 
 
 def image_node(tree: bpy.types.NodeTree, texture: Texture) -> bpy.types.Node:
-    """The node with this image: one that is there, else ours of the same mask as we left it, else a new one."""
+    """The node with this image: an existing one, else our unchanged node of the same mask, else a new one."""
     found = [node for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage"]
     node = next((node for node in found if node.image == texture.image), None)
     if node is not None:
@@ -101,7 +101,7 @@ def image_node(tree: bpy.types.NodeTree, texture: Texture) -> bpy.types.Node:
 
 
 def is_as_left(node: bpy.types.Node) -> bool:
-    """Whether a node of ours has the image that we gave it, or none because that is gone."""
+    """Whether our node still has the image that we gave it, or none because that image is gone."""
     return node.image is None or node.image.name == node.get(LEFT)
 
 
@@ -130,7 +130,7 @@ def add(
 
 
 def place_of(node: bpy.types.Node) -> tuple[float, float]:
-    """The place of a node in its tree; its own numbers count from the frame that it is in."""
+    """The location of a node in its tree. A node in a frame stores its location relative to the frame."""
     x, y = node.location
     while node.parent is not None:
         node = node.parent
@@ -142,7 +142,7 @@ def place_of(node: bpy.types.Node) -> tuple[float, float]:
 
 
 def link_masks(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture) -> None:
-    """Links the masks of a texture to inputs of our groups that have none yet, or have it from vertices only."""
+    """Links a texture's masks to inputs of our groups that have no link, or only a mask from vertices."""
     inputs = [
         (socket, TAKEN[socket.name])
         for group in node_groups.nodes_of_ours(tree)
@@ -159,7 +159,7 @@ def link_masks(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture)
 
 
 def outputs_of(tree: bpy.types.NodeTree, node: bpy.types.Node, texture: Texture) -> dict[str, bpy.types.NodeSocket]:
-    """The output for each value that a texture holds; its channels are taken apart if there are several."""
+    """The output for each value of a texture. With several values, the channels are separated by a node."""
     if len(texture.holds) == 1:
         return {texture.holds[0]: node.outputs["Color"]}
     after = [link.to_node for link in node.outputs["Color"].links]

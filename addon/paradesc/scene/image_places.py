@@ -10,9 +10,9 @@ from . import images
 
 
 def found(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> str:
-    """The name, without its suffix, of the texture that word says, of an object that stem names.
+    """The name, without suffix, of an object's texture. stem: the object in file names; word: the texture.
 
-    folder: that of the .blend; without one textures are packed into it.
+    folder: that of the .blend; without one, textures are packed into the .blend.
     """
     names = (f"{one}_{word}" for one in file_names.numbered(stem))
     if folder is None:
@@ -22,7 +22,7 @@ def found(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> str:
 
 
 def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool:
-    """Whether the file of a texture, or of each of its tiles, is the owner's as it was left, or not there at all."""
+    """Whether a texture's file, or those of all its tiles, are missing or are unchanged bakes of this owner."""
     pattern = re.compile(re.escape(file_names.folded(path.stem)) + r"(\.\d{4})?\.png")
     files = [one for one in there if pattern.fullmatch(file_names.folded(one.name))]
     loaded = images.at_path(path)
@@ -33,17 +33,17 @@ def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool
 
 
 def is_owners(found: marks.Owner | None, owner: marks.Owner, loaded: bool) -> bool:
-    """Whether a mark is the owner's; that of a .blend saved as another one is, too, where this one has loaded it."""
+    """Whether a mark names the owner. loaded: this .blend uses the file, so the mark may name a former .blend."""
     theirs = found or {}
     return theirs.get("object") == owner["object"] and (loaded or theirs.get("blend") == owner["blend"])
 
 
 def is_free_in_file(name: str, owner: marks.Owner) -> bool:
-    """Whether no image of this name is packed into the .blend, or the owner's as it was left."""
+    """Whether no image of this name is packed into the .blend, or it is an unchanged bake of the owner."""
     image = images.packed_as(name)
     return image is None or (image.get(images.OBJECT) == owner["object"] and not is_edited(image))
 
 
 def is_edited(image: bpy.types.Image) -> bool:
-    """Whether somebody has painted on an image, or packed into the .blend what no bake has left."""
+    """Whether somebody has painted on an image, or has packed other contents than a bake's into the .blend."""
     return image.is_dirty or any(marks.owner_of(item.packed_file.data) is None for item in image.packed_files)

@@ -17,7 +17,7 @@ from ..settings import preferences
 from .arrays import read_array
 from .unwrap import read_uvs
 
-# The texture is drawn nearer to the eye than the surface by this share of the mesh's size, so that the two do not mix.
+# The texture is drawn nearer to the eye by this share of the mesh's size, so that it does not flicker with the surface.
 NEARER = 1e-3
 VERTEX = """
 void main() {
@@ -25,7 +25,7 @@ void main() {
   place = uv;
 }
 """
-# Viewports keep what is drawn into them in sRGB, and make it of linear colors by themselves.
+# Viewports convert linear colors to sRGB by themselves.
 FRAGMENT = """
 void main() {
   FragColor = vec4(texture(image, place).rgb, 1.0);
@@ -42,7 +42,7 @@ class Shown:
     image: Key
     mesh: Key  # that the image is of: an object made later may have the name of one that was deleted
     uv_map: str
-    nearer: float  # a length in the world by which it is drawn nearer besides
+    nearer: float  # a length in the world by which it is drawn nearer in addition
     batch: object = None  # the triangles as the graphics card has them; None: they are to be made; False: none are
     size: float = 0.0  # of the mesh
 
@@ -58,17 +58,17 @@ _kept: dict[str, object] = {}  # the handle of the calls that draw, and the shad
 
 
 def key_of(block: bpy.types.ID) -> Key:
-    """By what Blender finds it again."""
+    """The name and library of a datablock, by which it is found again after an undo."""
     return block.name, block.library.filepath if block.library is not None else None
 
 
 def can_show(image: bpy.types.Image) -> bool:
-    """Whether it is one image and not one of tiles, which viewports get as a whole."""
+    """Whether the preview can show an image, which it cannot if the image is tiled."""
     return image.source != "TILED"
 
 
 def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: float = 0.0) -> None:
-    """Shows an image over a UV map of the object from now on, in place of another one."""
+    """Shows an image over a UV map of the object, in place of an earlier one."""
     _shown[key_of(target)] = Shown(key_of(image), key_of(target.data), uv_map, nearer)
     if "handle" not in _kept and not bpy.app.background:
         _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
@@ -79,7 +79,7 @@ def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: 
 
 
 def reveal(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: float = 0.0) -> None:
-    """After a bake: shows its image, unless the preferences say otherwise."""
+    """Shows a bake's image, unless the preferences say otherwise."""
     if not bpy.app.background and preferences.shows_results() and can_show(image):
         show(target, image, uv_map, nearer)
 
@@ -91,7 +91,7 @@ def shown(target: bpy.types.Object) -> str:
 
 
 def hide(target: bpy.types.Object | None = None) -> None:
-    """Shows no image any more on the object, or on any."""
+    """Stops showing an image on the object, or on all objects."""
     if target is None:
         _shown.clear()
     else:
@@ -100,7 +100,7 @@ def hide(target: bpy.types.Object | None = None) -> None:
 
 
 def redraw() -> None:
-    """Has Blender draw all viewports again."""
+    """Redraws all 3D viewports."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -108,7 +108,7 @@ def redraw() -> None:
 
 
 def handlers() -> list[tuple[list, Callable[..., None]]]:
-    """Blender's lists of what it calls when meshes may have changed, and what is called then."""
+    """Blender's lists of handlers for changed meshes and opened files, each with our handler."""
     calls = bpy.app.handlers
     changes = (calls.depsgraph_update_post, calls.frame_change_post, calls.undo_post, calls.redo_post)
     return [*((calls, forget_batches) for calls in changes), (calls.load_post, forget_file)]
@@ -116,7 +116,7 @@ def handlers() -> list[tuple[list, Callable[..., None]]]:
 
 @persistent
 def forget_batches(_scene: object = None, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Has the triangles of meshes that changed read again; of all of them if Blender does not say which."""
+    """Makes changed meshes be read again when they are drawn; all meshes if Blender does not say which changed."""
     names = None
     if isinstance(depsgraph, bpy.types.Depsgraph):
         names = {item.id.name for item in depsgraph.updates if item.is_updated_geometry}
@@ -127,7 +127,7 @@ def forget_batches(_scene: object = None, depsgraph: bpy.types.Depsgraph | None 
 
 @persistent
 def forget_file(*_words: object) -> None:
-    """Shows nothing in a file that has just been opened, whose objects may have the names of others."""
+    """Stops showing all images, as objects in the newly opened file may have the same names."""
     _shown.clear()
 
 
@@ -179,12 +179,12 @@ def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.ty
 
 
 def largest_scale(matrix: Matrix) -> float:
-    """By how much an object is larger than its mesh; Blender gives negative numbers where it is mirrored."""
+    """The largest factor by which an object scales its mesh. Blender gives negative factors if it mirrors."""
     return max(map(abs, matrix.to_scale()))
 
 
 def prepare(context: bpy.types.Context, target: bpy.types.Object, own: Shown) -> None:
-    """Hands the triangles of the mesh as it is shown to the graphics card; nothing if it has no such UV map."""
+    """Sends the triangles of the mesh as it is shown to the graphics card; none if it lacks the UV map."""
     from gpu_extras.batch import batch_for_shader
 
     evaluated = target.evaluated_get(context.evaluated_depsgraph_get())
@@ -235,13 +235,13 @@ classes = ()
 
 
 def end() -> None:
-    """Lets go of what the graphics card holds, about which Blender would complain when it quits."""
+    """Frees graphics memory, about which Blender would complain when it quits."""
     _shown.clear()
     _kept.pop("shader", None)
 
 
 def unregister() -> None:
-    """Shows nothing any more, and ends what Blender calls."""
+    """Removes the handlers and stops drawing."""
     end()
     atexit.unregister(end)
     handle = _kept.pop("handle", None)

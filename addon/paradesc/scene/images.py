@@ -7,16 +7,17 @@ import bpy
 
 from ..files import file_names, tile_names
 
-# The custom property of images that were packed because the .blend had no folder yet, and of materials made for images.
+# The custom property of images that were packed because the .blend had no folder, and of materials made for images.
 MARK = "paradesc_image"
-# The custom property of images that names the object whose bake they are.
+# The custom property with the name of the object from which an image was baked.
 OBJECT = "paradesc_object"
 
 
 def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image:
-    """The image of a file, or of its UDIM tiles, that a bake of an object of this name has written, read afresh.
+    """The image of a file, or of UDIM tiles, that was baked from an object of this name, with its present contents.
 
-    Where Blender has it already it keeps how people use it; images that they themselves made of the file only see it.
+    An image that Blender has loaded already keeps the settings that people gave it. Images that people made of the file
+    themselves only show the new contents.
     """
     tiled, there = tiles != [None], at_path(path)
     ours = (item for item in there if OBJECT in item or item.colorspace_settings.is_data)
@@ -37,14 +38,14 @@ def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image
 
 
 def at_path(path: Path) -> list[bpy.types.Image]:
-    """The local images that show a file, or the tiles that have its name."""
+    """The local images that use a file, or the tiled file that has its name."""
     names = {file_names.folded(str(one)) for one in (path, tile_names.with_token(path))}
     local = (item for item in bpy.data.images if item.library is None and item.filepath)
     return [item for item in local if file_names.folded(str(Path(bpy.path.abspath(item.filepath)))) in names]
 
 
 def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
-    """Reads a file, or UDIM tiles, into an image, which gets these tiles and no others."""
+    """Loads a file, or UDIM tiles, into an image; a tiled image has exactly these tiles afterwards."""
     unpack(image)
     image.source = "FILE" if tiles == [None] else "TILED"
     image.filepath_raw = str(path)
@@ -61,22 +62,22 @@ def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
 
 
 def unpack(image: bpy.types.Image) -> None:
-    """Takes an older content out of the .blend, which a reload would keep."""
+    """Removes packed contents, which a reload would keep."""
     if image.packed_file is not None or len(image.packed_files):
         image.unpack(method="REMOVE")
 
 
 def place(image: bpy.types.Image, path: Path) -> None:
-    """Lets the image find its file from the .blend's folder, if people want that."""
+    """Makes the image's path relative to the .blend, if the preferences ask for relative paths."""
     if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
         image.filepath_raw = bpy.path.relpath(str(path))
 
 
 def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:
-    """The image of a file, or of UDIM tiles, that is packed into the .blend for a bake of an object of this name.
+    """The image of a file, or of UDIM tiles, that is packed into the .blend for an object of this name.
 
-    That of an earlier bake is filled anew. Blender packs files, so they are there for a moment: it would look for them
-    too, and complain on the console, if it were handed their content.
+    The image of an earlier bake is filled again. Blender packs only existing files, so they are written for a moment;
+    given bytes, it would look for the files all the same and complain on the console.
     """
     image = packed_as(name) or bpy.data.images.new(name, 8, 8)
     made = OBJECT not in image
@@ -95,12 +96,12 @@ def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy
 
 
 def packed_as(name: str) -> bpy.types.Image | None:
-    """The image that an earlier bake has packed into the .blend under this name."""
+    """The image of this name that an earlier bake packed into the .blend."""
     return next((item for item in bpy.data.images if item.get(MARK) == name and item.library is None), None)
 
 
 def as_data(image: bpy.types.Image) -> bpy.types.Image:
-    """A new image, whose channels are numbers: no color management, and no channel weighs another."""
+    """Sets up a new image as data: no color management, and channels that do not affect each other."""
     image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
     image.colorspace_settings.is_data = True
     image.alpha_mode = "CHANNEL_PACKED"

@@ -1,4 +1,4 @@
-"""Tells whether faces of objects are too large for vertex colors, quickly enough for a panel to ask at each draw."""
+"""Tells whether an object's faces are too large for vertex colors, fast enough for a panel that asks at each draw."""
 
 from collections.abc import Sequence
 
@@ -9,27 +9,27 @@ from ..core import large_faces, source_kinds
 from . import source_meshes, targets
 from .arrays import read_array
 
-# A mesh with more faces than this is fine enough.
+# A mesh with more faces than this is always fine enough.
 MOST_FACES = 200_000
-# The answers of late, by what tells meshes apart without reading them.
+# Recent answers, by facts that tell meshes apart without reading them.
 _found: dict[tuple, bool] = {}
 MOST_KEPT = 256
-# So many of the selected meshes are asked.
+# At most so many of the selected meshes are checked.
 MOST_ASKED = 32
 
 
 def of_chosen(context: bpy.types.Context) -> bool:
-    """Whether that is so of the meshes that a bake takes, as it measures them; the first ones tell."""
+    """Whether faces are too large on the meshes that a bake takes, as it measures them. Only the first are checked."""
     return every(targets.chosen(context)[:MOST_ASKED], context.scene.paradesc_animation.source)
 
 
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
-    """Whether that is so of all these objects, of which there is one at least, as this source has them."""
+    """Whether faces of all these objects, at least one, are too large as this source measures them."""
     return bool(objects) and all(are_too_large(target, source) for target in objects)
 
 
 def are_too_large(target: bpy.types.Object, source: str) -> bool:
-    """Whether that is so of one; outside of object mode people change a mesh, or want its colors."""
+    """Whether an object's faces are too large; never in other modes than object mode, in which people work on it."""
     if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
         return False
     modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
@@ -47,12 +47,12 @@ def are_too_large(target: bpy.types.Object, source: str) -> bool:
 
 
 def counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
-    """The numbers that are quick to ask of a mesh and seldom stays when it becomes another."""
+    """Counts of a mesh that are quick to get and seldom stay the same when the mesh changes."""
     return len(mesh.vertices), len(mesh.polygons)
 
 
 def measured(shown: bpy.types.Object) -> bool:
-    """Reads a mesh and tells."""
+    """Reads the evaluated mesh and tells whether its faces are too large."""
     mesh = shown.to_mesh()
     try:
         if len(mesh.polygons) > MOST_FACES:

@@ -12,7 +12,7 @@ from ..core.job import UNDEFINED_MASK, Results, registry_name
 from . import carrying, modes, ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
-# By name: the range of a descriptor's colors, and what a record says of how they are made.
+# The range of each descriptor's colors, and the part of the record about their making, by name.
 Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
 
 
@@ -154,7 +154,7 @@ def world_matrix(target: bpy.types.Object) -> np.ndarray:
 
 
 def check_writable(target: bpy.types.Object) -> None:
-    """Refuses objects whose mesh would lose the results when the file is loaded again."""
+    """Raises if the object's mesh would lose the results when the file is loaded again."""
     mesh = target.data
     if mesh.library is not None or target.library is not None:
         raise refuse(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
@@ -172,9 +172,9 @@ def wanted_kind(name: str) -> tuple[str, str]:
 
 
 def places(mesh: bpy.types.Mesh, shown: Iterable[str], extras: Iterable[str]) -> dict[str, str]:
-    """The attribute that each value becomes, by name: it has that name, or a number behind it where that is taken.
+    """The attribute for each value, by name: one of the same name, with a number appended if the name is taken.
 
-    A value that is shown has its colors in an attribute beside its own, so that both must be free or ours.
+    A shown value also has a color attribute beside its own, so both names must be free or ours.
     """
     faces = ownership.faces_of(mesh)
     found = {name: ownership.place(mesh, name, ("", "_color"), wanted_kind, faces) for name in shown}
@@ -187,7 +187,7 @@ def attribute_names(shown: Iterable[str], extras: Iterable[str], at: dict[str, s
 
 
 def moved_notes(at: dict[str, str]) -> list[str]:
-    """Says which attributes could not have their usual names."""
+    """Notes about attributes that could not get their usual names."""
     return [
         f'An attribute or vertex group "{name}" is there that no bake has left like this, and stays as it is: the '
         f'values are in "{place}".'
@@ -197,7 +197,7 @@ def moved_notes(at: dict[str, str]) -> list[str]:
 
 
 def write_results(target: bpy.types.Object, results: Results) -> list[str]:
-    """Writes the results to the object's mesh; gives sentences about what had to move. A failure changes nothing."""
+    """Writes the results to the object's mesh; returns notes about moved attributes. A failure changes nothing."""
     check_writable(target)
     with modes.object_mode(target):
         check_count(target.data, results)
@@ -209,7 +209,7 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
 
 
 def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> Drawing:
-    """How the colors of results are made, and what a record says of that; with the surface as surface_of() has it."""
+    """The range of each value's colors and its part of the record, from the surface that surface_of() gives."""
     found = {}
     for name, values in results.values.items():
         shown = results.shown(name)
@@ -219,13 +219,13 @@ def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> D
 
 
 def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
-    """Refuses results of a mesh that has other vertices by now."""
+    """Raises if the mesh has changed its vertices since it was read."""
     if len(mesh.vertices) != len(results.coverage):
         raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
 
 
 def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: Drawing) -> None:
-    """Writes the results to the attributes that places() gave, with colors as drawing() has them. Not in edit mode."""
+    """Writes the results to the attributes that places() chose, in the colors of drawing(). Not in edit mode."""
     extras = {name: values for name, values in results.extras.items() if name in at}
     names = attribute_names(results.values, extras, at)
     make_attributes(mesh, names)
@@ -240,7 +240,7 @@ def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: 
 
 
 def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
-    """Makes the attributes that are missing, or none of them."""
+    """Creates the missing attributes, or none if that fails."""
     made: list[str] = []
     try:
         for name in names:
@@ -255,7 +255,7 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
 
 
 def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
-    """Makes one of our attributes; gives the name that Blender chose."""
+    """Creates one of our attributes; returns the name that Blender gave it."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
         raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}"; rename what is called so.')
@@ -263,7 +263,7 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
 
 
 def extras_on(mesh: bpy.types.Mesh, results: Results) -> dict[str, np.ndarray]:
-    """The attributes beside the values; which vertices have none only where one has none, or an earlier bake said."""
+    """The extras to write. The mask of undefined vertices is left out if none is undefined, unless the mesh has one."""
     kept = {**results.extras}
     if not kept[UNDEFINED_MASK].any() and record.attribute_of(mesh, UNDEFINED_MASK) not in mesh.attributes:
         del kept[UNDEFINED_MASK]
@@ -293,18 +293,18 @@ def show(mesh: bpy.types.Mesh, name: str) -> None:
 
 
 def most_telling(seen: dict[str, dict[str, float]]) -> str:
-    """The first of the values, by what extremes() gives; a mask that is black nearly everywhere gives way to another."""
+    """The first of the values, unless it is a mask that is black nearly everywhere and another mask is less so."""
     first = next(iter(seen))
     dark = {name: row["dark"] for name, row in seen.items() if "dark" in row}
     return [*dark][color_maps.most_telling([*dark.values()])] if first in dark else first
 
 
 def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
-    """The range of a bake for recoloring, if it was not asked for."""
+    """The range of a bake whose range was automatic, which recoloring goes back to."""
     return {"automatic": [shown.minimum, shown.maximum]} if look.is_automatic(shown.diverging) else {}
 
 
-# So many faces tell how much of the mesh is black or white.
+# So many faces suffice to estimate how much of a mask is black or white.
 ENOUGH_FACES = 100_000
 
 
@@ -318,7 +318,7 @@ def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
 def extremes(
     positions: np.ndarray, triangles: np.ndarray, values: np.ndarray, shown: color_maps.ValueRange
 ) -> dict[str, float]:
-    """About which shares of the area a mask shows nearly black and nearly white; {} of what is no mask or surface."""
+    """The approximate shares of the area that a mask shows nearly black and nearly white; {} if it is not a mask."""
     if values.ndim == 2 or shown.color_map.diverging:
         return {}
     corners = triangles[np.isfinite(values[triangles]).all(axis=1)]

@@ -1,4 +1,4 @@
-"""Switches to object mode for a while: attributes can be read and written only there."""
+"""Switches to object mode for a while, as attributes can be read and written only there."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -34,8 +34,8 @@ def object_mode(target: bpy.types.Object | None = None) -> Iterator[None]:
 
 
 def select_only(objects: bpy.types.LayerObjects, wanted: list[bpy.types.Object]) -> None:
-    """Selects these objects and no others."""
+    """Selects exactly these objects."""
     for item in objects:
         if item.select_get() != (item in wanted):
-            with suppress(RuntimeError):  # hidden ones cannot be selected
+            with suppress(RuntimeError):  # hidden objects cannot be selected
                 item.select_set(item in wanted)

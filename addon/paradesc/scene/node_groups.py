@@ -1,4 +1,4 @@
-"""Builds the same node trees in Blender 3.4 and later, whose interfaces of groups differ."""
+"""Builds the same node trees in Blender 3.4 and later versions, which differ in the interfaces of groups."""
 
 import bpy
 
@@ -8,14 +8,14 @@ MARK = "paradesc_kind"
 
 
 def new_group(kind: str, name: str) -> bpy.types.NodeTree:
-    """An empty group of a tree type such as "ShaderNodeTree"."""
+    """A new, empty group of a tree type such as "ShaderNodeTree"."""
     group = bpy.data.node_groups.new(name, kind)
     group[MARK] = name
     return group
 
 
 def nodes_of_ours(tree: bpy.types.NodeTree | None) -> list[bpy.types.Node]:
-    """The nodes of a tree that have a group of ours."""
+    """The nodes in a tree that use one of our groups."""
     nodes = [] if tree is None else tree.nodes
     return [node for node in nodes if getattr(node, "node_tree", None) is not None and MARK in node.node_tree]
 
@@ -29,7 +29,7 @@ def add_socket(group: bpy.types.NodeTree, name: str, kind: str, *, output: bool 
 
 
 def input_of(group: bpy.types.NodeTree, name: str) -> object:
-    """The input of a group that holds its default."""
+    """The interface item of a group's input, which holds the default value."""
     if hasattr(group, "interface"):
         inputs = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
     else:

@@ -17,9 +17,9 @@ from ..files import file_names
 from . import arrays, record
 
 PROPERTY = "paradesc_left"
-# The letters of a checksum; a fingerprint has that of the faces and that of the values.
+# The length of a checksum in letters. A fingerprint consists of one for the faces and one for the values.
 LETTERS = 8
-# Gives the type and domain that an attribute of ours has, by its name.
+# A function from the name of one of our attributes to its type and domain.
 KindOf = Callable[[str], tuple[str, str]]
 
 
@@ -27,7 +27,7 @@ KindOf = Callable[[str], tuple[str, str]]
 
 
 def fingerprints(mesh: bpy.types.Mesh) -> dict[str, str]:
-    """What leave() kept, by name."""
+    """The fingerprints that leave() stored, by name."""
     return {name: text for name, text in record.kept(mesh, PROPERTY).items() if isinstance(text, str)}
 
 
@@ -40,19 +40,19 @@ def leave(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
 
 
 def leave_weights(mesh: bpy.types.Mesh, name: str, weights: np.ndarray) -> None:
-    """The same of a vertex group's (vertex_count,) weights; a colon tells it from an attribute."""
+    """Stores the fingerprint of a vertex group's (vertex_count,) weights. A colon keeps it apart from attributes."""
     keep(mesh, {**fingerprints(mesh), f":{name}": faces_of(mesh) + short(weights)})
 
 
 def forget(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
-    """Drops the fingerprints of attributes whose values change all the time."""
+    """Drops the fingerprints of attributes whose values keep changing."""
     known, gone = fingerprints(mesh) if PROPERTY in mesh else {}, set(names)
     if gone & known.keys():
         keep(mesh, {name: text for name, text in known.items() if name not in gone})
 
 
 def keep(mesh: bpy.types.Mesh, found: dict[str, str]) -> None:
-    """Keeps fingerprints, without those of attributes that are gone."""
+    """Stores fingerprints, except those of attributes that are gone."""
     there = {name: text for name, text in found.items() if name.startswith(":") or name in mesh.attributes}
     if there:
         mesh[PROPERTY] = there
@@ -66,7 +66,7 @@ def faces_of(mesh: bpy.types.Mesh) -> str:
 
 
 def short(*values: np.ndarray) -> str:
-    """A checksum of arrays, quick enough for millions of vertices: nobody paints what has the same one on purpose."""
+    """A fast checksum of arrays. It need not be secure, as nobody paints values on purpose to match it."""
     found = 0
     for array in values:
         found = zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8), found)
@@ -74,13 +74,13 @@ def short(*values: np.ndarray) -> str:
 
 
 def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str) -> bool:
-    """Whether values are those of a fingerprint, or nothing tells that they are not; faces: as faces_of() has them."""
+    """Whether values match their fingerprint. Without one, or after a change of the faces, they count as untouched."""
     text = fingerprints(mesh).get(key, "")
     return text[:LETTERS] != faces or text[LETTERS:] == short(values)
 
 
 def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
-    """Whether one of our attributes has the type and domain, and the values, that we gave it."""
+    """Whether one of our attributes still has the type, domain and values that we gave it."""
     attribute = mesh.attributes[name]
     return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
 
@@ -89,9 +89,9 @@ def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: st
 
 
 def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindOf, faces: str) -> str:
-    """The name under which attributes, one for each of these ends, are ours as we left them, or free.
+    """A name under which attributes, one for each ending, are free, or ours and unchanged.
 
-    That is the name itself, or with a number behind it. Where a bake has left some, the next one finds them again.
+    It is the name itself, or has a number appended. A later bake finds the attributes of an earlier one again.
     """
     ours = set(record.attributes_of(mesh))
     taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *group_names(mesh)}
@@ -107,6 +107,6 @@ def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindO
 
 
 def group_names(mesh: bpy.types.Mesh) -> set[str]:
-    """The names of the vertex groups, which Blender lets no new attribute have; any object with the mesh knows them."""
+    """The names of vertex groups, which attributes cannot have. Any object with the mesh knows them."""
     user = next((item for item in bpy.data.objects if item.data == mesh), None)
     return set() if user is None else set(user.vertex_groups.keys())

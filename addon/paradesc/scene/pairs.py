@@ -1,4 +1,4 @@
-"""Finds which meshes give their detail to which: by their names, else the selected ones to the active one."""
+"""Finds which detailed meshes belong to which low-poly ones: by names, else selected ones to the active one."""
 
 import bpy
 import numpy as np
@@ -11,7 +11,7 @@ Pairs = dict[bpy.types.Object, list[bpy.types.Object]]
 
 
 def chosen(context: bpy.types.Context) -> Pairs:
-    """The low-poly objects of the selection with their detailed ones, which names may find unselected ones for."""
+    """The selected low-poly objects with their detailed ones. By names, unselected detailed objects count as well."""
     active = context.active_object
     if active is not None and active.mode != "OBJECT":
         return {}
@@ -21,9 +21,9 @@ def chosen(context: bpy.types.Context) -> Pairs:
 
 
 def meant(context: bpy.types.Context) -> Pairs:
-    """The same where the selection looks like a pair: by names, or two meshes, or all others lie about the active one.
+    """The pairs, if the selection looks like one: by names, with two meshes, or if all overlap the active one.
 
-    Forty props that stand in a row are no detail of one of them.
+    Forty props that stand in a row are not details of one of them.
     """
     found = chosen(context)
     if len(found) != 1:
@@ -34,19 +34,19 @@ def meant(context: bpy.types.Context) -> Pairs:
 
 
 def overlap(first: bpy.types.Object, second: bpy.types.Object) -> bool:
-    """Whether the boxes that two objects have along the world's axes overlap."""
+    """Whether the world-space bounding boxes of two objects overlap."""
     (low, high), (other_low, other_high) = bounds(first), bounds(second)
     return bool((low <= other_high).all() and (other_low <= high).all())
 
 
 def bounds(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) the least and the largest corner of an object's box along the world's axes."""
+    """The (3,) minimum and maximum corners of an object's world-space bounding box."""
     corners = np.array([target.matrix_world @ Vector(corner) for corner in target.bound_box])
     return corners.min(axis=0), corners.max(axis=0)
 
 
 def named_among(context: bpy.types.Context, selected: list[bpy.types.Object]) -> Pairs:
-    """The pairs by name of which a part is selected."""
+    """The pairs by name of which at least one object is selected."""
     if not any(pair_names.is_one_of_a_pair(item.name) for item in selected):
         return {}
     named = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
@@ -61,5 +61,5 @@ def by_name(objects: list[bpy.types.Object]) -> Pairs:
 
 
 def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
-    """The object as it stands in the world, as it was read."""
+    """The object as transfer takes it: as it was read, with its place in the world."""
     return transfer.Part(target.name, read.arrays, read.measured, mesh_io.world_matrix(target))

@@ -1,6 +1,6 @@
-"""Records on a mesh what was written to it, in a custom property for panels, recoloring and later bakes.
+"""Stores a record of written values on a mesh, in a custom property for panels, recoloring and later bakes.
 
-Bakes, live frames and recoloring all write it by write().
+Bakes, live frames and recoloring all write it with write().
 """
 
 from collections.abc import Iterable
@@ -12,33 +12,33 @@ from ..core import legend, stored
 from ..core.color_maps import ValueRange
 from ..core.job import NUMBER, Results
 
-# The custom property has settings, reports, how colors were made, and the names of our attributes.
+# The custom property with settings, reports, the making of colors, and the names of our attributes.
 PROPERTY = "paradesc"
 
 
 def read(mesh: bpy.types.Mesh) -> dict[str, object]:
-    """What write() left on this mesh, checked; empty if it was never called."""
+    """The record that write() left on this mesh, checked; empty if there is none."""
     return stored.checked(kept(mesh, PROPERTY))
 
 
 def kept(block: bpy.types.ID, name: str) -> dict[str, object]:
-    """The members of a custom property; empty if it is missing or has none."""
+    """The members of a custom property; empty if it is missing or is not a group."""
     content = block.get(name)
     return content.to_dict() if hasattr(content, "to_dict") else {}
 
 
 def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:
-    """What a bake recorded about the layout that it left on this mesh; empty if there is none."""
+    """The description of the layout that a bake left on this mesh; empty if there is none."""
     return read(mesh).get("layout", {})
 
 
 def attributes_of(mesh: bpy.types.Mesh) -> list[str]:
-    """The names of our attributes that are still on this mesh, and have not been deleted or renamed since."""
+    """The names of our attributes that still exist on this mesh."""
     return [name for name in read(mesh).get("attributes", []) if name in mesh.attributes]
 
 
 def attribute_of(mesh: bpy.types.Mesh, name: str) -> str:
-    """Our newest attribute with these values: it has a number behind its name where the name was taken."""
+    """Our newest attribute for values of this name; it has a number appended if the name was taken."""
     found = [one for one in attributes_of(mesh) if name in (one, NUMBER.sub("", one))]
     return max(found, key=lambda one: (len(one), one), default=name)
 
@@ -51,9 +51,9 @@ def write(
     names: Iterable[str] = (),
     layout: dict[str, str] | None = None,
 ) -> None:
-    """Adds to the record: facts of a computation, ranges and drawing of colors, names of attributes, a new layout.
+    """Adds facts of a computation, ranges and making of colors, names of attributes and a new layout to the record.
 
-    Earlier entries stay unless there are new ones; attributes that are gone are forgotten.
+    Earlier entries stay unless they are replaced; attributes that no longer exist are dropped.
     """
     former = read(mesh)
     known = sorted({*former.get("attributes", []), *names})
@@ -74,7 +74,7 @@ def forget(mesh: bpy.types.Mesh, word: str) -> None:
 
 
 def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
-    """Adds what the record of another mesh says of attributes that this one has, too; its own entries stay."""
+    """Adds entries of another mesh's record about attributes that this mesh has too; its own entries win."""
     theirs, own = read(source), read(mesh)
     if theirs:
         names = sorted({*theirs["attributes"], *own.get("attributes", [])})
@@ -87,7 +87,7 @@ def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
 
 
 def facts_of(results: Results) -> dict[str, object]:
-    """Says what was computed, how, on what, and what limits it, as plain numbers, strings and lists."""
+    """The facts of a computation as plain numbers, strings and lists: settings, reports, device, warnings, notes."""
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
         "mesh_report": results.mesh_report,
@@ -100,7 +100,7 @@ def facts_of(results: Results) -> dict[str, object]:
 
 
 def drawing(shown: ValueRange) -> dict[str, object]:
-    """How colors were made, apart from their range."""
+    """The making of colors, apart from their range."""
     return {
         "map": shown.map_name,
         "diverging": shown.diverging,
@@ -110,7 +110,7 @@ def drawing(shown: ValueRange) -> dict[str, object]:
 
 
 def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, object]:
-    """What a legend and recoloring need to know about a descriptor's values, apart from their range."""
+    """The making of a descriptor's colors, with radius and unit, as legends and recoloring need it."""
     return {
         **drawing(shown),
         "radius": results.radius_of(name),
@@ -119,5 +119,5 @@ def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, obje
 
 
 def storable(value: object) -> object:
-    """The value; as a float if Blender's 32-bit custom properties cannot hold the integer."""
+    """The value, as a float if it is an integer too large for Blender's 32-bit custom properties."""
     return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value

@@ -19,7 +19,7 @@ from . import carrying
 from .arrays import read_corner_vertices
 from .mesh_io import read_positions, refuse
 
-# The operators that import a suffix, with their own defaults; the first one that this Blender has is used.
+# The operators that import files of a suffix, with default options. The first one that this Blender has is used.
 IMPORTERS = {
     ".obj": ("wm.obj_import", "import_scene.obj"),
     ".ply": ("wm.ply_import", "import_mesh.ply"),
@@ -36,7 +36,7 @@ SUFFIXES = (".blend", *IMPORTERS)
 
 
 def open_scene(path: Path, verbose: bool = False) -> list[str]:
-    """Makes the file the open scene, importing all but .blend into an empty one; says what was done to it."""
+    """Opens a .blend, or imports any other file into an empty scene; returns notes about the import."""
     with reading(path, verbose) as (whole, faces):
         if path.suffix.lower() == ".blend":
             bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
@@ -46,7 +46,7 @@ def open_scene(path: Path, verbose: bool = False) -> list[str]:
 
 
 def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
-    """Adds the mesh objects of another file to the open scene; another name that is taken gets a number."""
+    """Adds the mesh objects of another file to the open scene. Blender numbers names that are taken."""
     before = set(bpy.data.objects)
     with reading(path, verbose) as (whole, faces):
         if path.suffix.lower() == ".blend":
@@ -67,7 +67,7 @@ def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
 
 @contextmanager
 def without_added() -> Iterator[None]:
-    """Removes the objects that are added meanwhile; what they alone used is not saved."""
+    """Removes, at the end, the objects that were added meanwhile. Data that only they use is then not saved."""
     before = set(bpy.data.objects)
     try:
         yield
@@ -78,9 +78,9 @@ def without_added() -> Iterator[None]:
 
 @contextmanager
 def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
-    """The whole path of a sound file and how many faces it has at least, or one sentence; also while it is read.
+    """Yields a sound file's absolute path and its least number of faces; raises one sentence on any error.
 
-    Importers make 0 of NaN and a mesh of half a file: so our own reader looks at a file first, if it knows its kind.
+    Importers make 0 of NaN, and a mesh of half a file. So our own reader checks a file first, if it knows the format.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
@@ -98,7 +98,7 @@ def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
 
 
 def imported(path: Path, faces: int) -> list[str]:
-    """Imports a file, which has at least so many faces, into the open scene; says what was done to its meshes."""
+    """Imports a file with at least so many faces into the open scene; returns notes about changes to its meshes."""
     suffix, objects, meshes = path.suffix.lower(), set(bpy.data.objects), list(bpy.data.meshes)
     importer = find_importer(suffix)
     with numpy_bool():
@@ -111,13 +111,13 @@ def imported(path: Path, faces: int) -> list[str]:
 
 
 def begins_with_mark(path: Path) -> bool:
-    """Whether text begins with the mark of UTF-8, after which Blender's importer of .obj reads no word."""
+    """Whether a text begins with a byte order mark, behind which Blender's .obj importer misses the first word."""
     with path.open("rb") as file:
         return file.read(len(MARK)) == MARK
 
 
 def find_importer(suffix: str) -> object:
-    """The operator that imports this suffix here."""
+    """The operator that imports files of this suffix in this Blender."""
     for name in IMPORTERS[suffix]:
         if has_operator(name):
             category, _, member = name.partition(".")
@@ -128,7 +128,7 @@ def find_importer(suffix: str) -> object:
 
 
 def has_operator(name: str) -> bool:
-    """Whether this Blender has the operator; bpy.ops itself answers to any name."""
+    """Whether this Blender has the operator. bpy.ops itself cannot tell, as it accepts any name."""
     category, _, member = name.partition(".")
     try:
         getattr(getattr(bpy.ops, category), member).get_rna_type()
@@ -138,7 +138,7 @@ def has_operator(name: str) -> bool:
 
 
 def weld_meshes(before: list[bpy.types.Mesh]) -> list[str]:
-    """Welds the separate triangles of an STL file into a surface; says so. Meshes from before stay as they are."""
+    """Welds the separate triangles of an STL file into a surface; returns notes. Earlier meshes stay as they are."""
     sentences = []
     for mesh in [item for item in bpy.data.meshes if item not in before]:
         triangles = len(mesh.polygons)
@@ -160,7 +160,7 @@ def weld_meshes(before: list[bpy.types.Mesh]) -> list[str]:
 
 
 def reason(error: Exception) -> str:
-    """What Blender says is wrong, as one sentence without its final dot; of a traceback only the exception."""
+    """Blender's error message as one sentence without its final dot; of a traceback only the exception."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("Location: ")]
     raised = [
@@ -172,7 +172,7 @@ def reason(error: Exception) -> str:
 
 @contextmanager
 def numpy_bool() -> Iterator[None]:
-    """Gives numpy 1.24 to 1.26 their former np.bool for a while: the glTF importer of Blender 3.4 needs it."""
+    """Temporarily gives numpy 1.24 to 1.26 the removed np.bool, which the glTF importer of Blender 3.4 needs."""
     if "bool" in np.__dict__:
         yield
         return
@@ -189,7 +189,7 @@ def mesh_objects() -> list[bpy.types.Object]:
 
 
 def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
-    """The mesh object of that name; without a name the active one if preferred, else that with the most vertices."""
+    """The mesh object of this name. Without one: the active one if preferred, else that with the most vertices."""
     meshes = mesh_objects()
     if name is not None:
         return find_object(name)
@@ -211,7 +211,7 @@ def find_object(name: str) -> bpy.types.Object:
 
 
 def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = False) -> bpy.types.Object:
-    """The one of these objects with that name; numbered: or with a number that Blender added because it was taken."""
+    """The object of this name among these. numbered: a number that Blender appended to the name counts as well."""
     found = [item for item in objects if item.name == name]
     if not found and numbered:
         found = [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
@@ -222,7 +222,7 @@ def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = Fals
 
 
 def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Object], list[str]]:
-    """Every mesh object of the view layer that renders and has faces by this source; sentences about the others."""
+    """Every mesh object of the view layer that renders and has faces with this source; notes about the others."""
     shapes = bone_shapes()
     chosen, sentences = [], []
     for item in (item for item in bpy.context.view_layer.objects if item.type == "MESH"):
@@ -242,7 +242,7 @@ def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Obj
 
 
 def has_faces(item: bpy.types.Object, source: str) -> bool:
-    """Whether a mesh object has any, which modifiers may make of nothing."""
+    """Whether a mesh object has faces with this source; modifiers may create all of them."""
     evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source != source_kinds.EVALUATED or not evaluated.is_evaluated:
         return bool(item.data.polygons)
@@ -250,13 +250,13 @@ def has_faces(item: bpy.types.Object, source: str) -> bool:
 
 
 def bone_shapes() -> set[bpy.types.Object]:
-    """The objects whose shape bones are drawn with; the importer of glTF makes one."""
+    """The objects that serve as custom shapes of bones; the importer of glTF creates one."""
     rigs = [item for item in bpy.context.scene.objects if item.type == "ARMATURE" and item.pose]
     return {bone.custom_shape for rig in rigs for bone in rig.pose.bones if bone.custom_shape}
 
 
 def save_blend(path: Path, verbose: bool = False) -> None:
-    """Saves the open scene as a .blend, which Blender writes beside it first; the open scene keeps its own name."""
+    """Saves the open scene as a .blend, first to a temporary file; the open scene keeps its own path."""
     try:
         with quiet(verbose):
             bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)

@@ -1,4 +1,4 @@
-"""Reads and writes the mask of sculpt mode, a float for each vertex: an attribute since Blender 4.1, a layer before."""
+"""Reads and writes sculpt mode's mask, one float per vertex: an attribute since Blender 4.1, a data layer before."""
 
 import bmesh
 import bpy
@@ -24,7 +24,7 @@ def is_painted(mesh: bpy.types.Mesh) -> bool:
 
 
 def write(target: bpy.types.Object, weights: np.ndarray) -> None:
-    """Replaces the mask by (n,) weights; sculpt mode has to have made its storage by then."""
+    """Replaces the mask by (n,) weights, and creates its storage if it is missing."""
     mesh = target.data
     if storage(mesh) is None:
         make_storage(target)
@@ -33,7 +33,7 @@ def write(target: bpy.types.Object, weights: np.ndarray) -> None:
 
 
 def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
-    """Replaces the mask of the object in sculpt mode by (n,) weights; hidden vertices keep theirs, as with Blender."""
+    """Replaces the mask of the object in sculpt mode by (n,) weights. Hidden vertices keep theirs, as in Blender."""
     mesh = target.data
     if target.mode != "SCULPT" or len(mesh.vertices) != len(weights):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
@@ -44,20 +44,20 @@ def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
         with modes.object_mode(target):
             write(target, weights)
         return
-    # Leaves the mask as it was among sculpt mode's own steps of undo, and makes its storage.
+    # Adds a step with the former mask to sculpt mode's own undo stack, and creates the mask's storage.
     bpy.ops.paint.mask_flood_fill(mode="INVERT")
     write(target, weights)
 
 
 def storage(mesh: bpy.types.Mesh) -> bpy.types.ID | None:
-    """What holds the mask in its data, if there is one."""
+    """The attribute or data layer that holds the mask; None without one."""
     if IS_ATTRIBUTE:
         return mesh.attributes.get(NAME)
     return mesh.vertex_paint_masks[0] if len(mesh.vertex_paint_masks) else None
 
 
 def make_storage(target: bpy.types.Object) -> None:
-    """Makes an empty mask; where it is no attribute, only edit mode's mesh can."""
+    """Creates an empty mask. Where it is not an attribute, this needs the mesh of edit mode."""
     if IS_ATTRIBUTE:
         target.data.attributes.new(NAME, "FLOAT", "POINT")
         return
@@ -72,7 +72,7 @@ def make_storage(target: bpy.types.Object) -> None:
 
 
 def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(n,) bool"""
+    """(n,) bool: which vertices are hidden."""
     attribute = mesh.attributes.get(".hide_vert")
     if attribute is None:
         return np.zeros(len(mesh.vertices), bool)
@@ -80,7 +80,7 @@ def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def sculpts_multires(target: bpy.types.Object) -> bool:
-    """Whether strokes go to the levels of Multires, which add-ons cannot reach."""
+    """Whether strokes change the levels of Multires, which add-ons cannot access."""
     for modifier in target.modifiers:
         levels = modifier.type == "MULTIRES" and modifier.show_viewport and modifier.sculpt_levels > 0
         if levels and not modifier.use_sculpt_base_mesh:
@@ -89,7 +89,7 @@ def sculpts_multires(target: bpy.types.Object) -> bool:
 
 
 def multires_obstacle(target: bpy.types.Object) -> str:
-    """What can be done where the mask belongs to the levels of Multires, or ""."""
+    """A sentence with the remedy if the mask belongs to the levels of Multires, else ""."""
     if sculpts_multires(target):
         return "Add-ons cannot reach the mask of Multires: apply the modifier, or set its Sculpt level to 0"
     return ""

@@ -20,14 +20,14 @@ from .arrays import kind_of, read_array, read_corner_vertices
 from .curves import curves_of
 from .mesh_io import refuse
 
-# Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
+# Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
 GENERATING = {
     "ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "FLUID", "MASK", "MESH_TO_VOLUME",
     "MIRROR", "MULTIRES", "OCEAN", "PARTICLE_INSTANCE", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE",
     "VOLUME_TO_MESH", "WELD", "WIREFRAME",
 }  # fmt: skip
 MARK = "paradesc_origin"
-# Whole numbers up to here are exact in 32-bit floats.
+# Integers up to this are exact as 32-bit floats.
 EXACT = 1 << 24
 BASE = source_kinds.in_words(source_kinds.ORIGINAL)
 
@@ -47,12 +47,12 @@ class Reading:
 
     @property
     def generated(self) -> bool:
-        """Whether modifiers made other vertices than the original's."""
+        """Whether modifiers created vertices other than the object's own."""
         return self.vertices is not None or not self.own
 
 
 def check_source(source: str) -> None:
-    """Refuses a source that does not exist."""
+    """Raises if there is no source of this name."""
     if source not in NAMES:
         raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
 
@@ -66,10 +66,11 @@ def read(
     former: Reading | None = None,
     placing: bool = True,
 ) -> Reading:
-    """The object's mesh by this source, in object space at the current frame; the scene stays as it is.
+    """The object's mesh from this source, in object space at the current frame. The scene stays as it is.
 
-    base, the original as it was read, and the former frame's reading save reading them again at each frame. Without
-    placing nothing says where results belong on the object, and modifiers are evaluated less often.
+    base, the object's own mesh as it was read, and former, the reading of the former frame, need not be read again at
+    each frame. Without placing, the places of results on the object are not looked for, and modifiers are evaluated
+    less often.
     """
     check_source(source)
 
@@ -120,7 +121,7 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
 
 
 def placed(arrays: MeshArrays, vertices: np.ndarray, earlier: dict[str, np.ndarray]) -> Reading:
-    """The arrays that the whole stack of modifiers made, and where their results go, by the original vertices."""
+    """The arrays that all modifiers made, with the places of the original vertices among them."""
     notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
     if not len(vertices) or (vertices < 0).any():
         return Reading(arrays, "evaluated", None, own=False, earlier=earlier, notes=notes)
@@ -133,7 +134,7 @@ def quoted(names: list[str]) -> str:
 
 
 def check_maps(reading: Reading) -> None:
-    """Refuses a normal map whose tangents are not those of the mesh that is measured."""
+    """Raises if there is a normal map but its tangents are not those of the measured mesh."""
     maps = reading.arrays.maps
     if maps is not None and maps.normals is not None and reading.source != "original":
         raise refuse(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
@@ -144,7 +145,7 @@ def check_maps(reading: Reading) -> None:
 
 @contextmanager
 def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
-    """The mesh after modifiers at the current frame; it exists only inside the with statement."""
+    """Yields the mesh after modifiers at the current frame; it exists only inside the with statement."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
@@ -164,7 +165,7 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
 
 @contextmanager
 def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
-    """Hides modifiers that change vertices or faces for a while; gives their names. It always shows them again."""
+    """Temporarily hides modifiers that change vertices or faces, and always shows them again; yields their names."""
     generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
     hidden: list[bpy.types.Modifier] = []
     silenced: list[bpy.types.FCurve] = []
@@ -189,7 +190,7 @@ def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
 def hide(
     modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier], silenced: list[bpy.types.FCurve]
 ) -> None:
-    """Hides these and adds them to the hidden ones; what would show them again is muted and added to the silenced."""
+    """Hides the modifiers and adds them to hidden; mutes what would show them again, and adds that to silenced."""
     for modifier in modifiers:
         for curve in showing(modifier):
             curve.mute = True
@@ -201,7 +202,7 @@ def hide(
 
 
 def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
-    """The drivers and curves that show or hide a modifier, and are not muted."""
+    """The drivers and F-curves that control a modifier's visibility and are not muted."""
     data = modifier.id_data.animation_data
     if data is None:
         return []
@@ -211,12 +212,12 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
 
 
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers that count at the moment."""
+    """The modifiers that are enabled in the viewport, without ours."""
     return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
 
 
 def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
-    """True where both have the same corners of the same number of vertices."""
+    """Whether both meshes have the same number of vertices and the same faces."""
     return (
         len(mesh.vertices) == len(other.vertices)
         and len(mesh.loops) == len(other.loops)
@@ -226,7 +227,7 @@ def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
 
 
 def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
-    """True where both have the same corners of the same number of vertices."""
+    """Whether both arrays have the same number of vertices and the same corners."""
     return len(arrays.positions) == len(others.positions) and np.array_equal(
         arrays.corner_vertices, others.corner_vertices
     )
@@ -236,7 +237,7 @@ def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
 
 
 def origins(target: bpy.types.Object) -> np.ndarray:
-    """(original_count,) int64 first vertex of the evaluated mesh that each original vertex became, or -1."""
+    """(original_count,) int64 first vertex of the evaluated mesh that came from each original vertex, or -1."""
     marks = marks_of(target)
     if marks is None:
         return np.full(len(target.data.vertices), -1, np.int64)
@@ -245,9 +246,9 @@ def origins(target: bpy.types.Object) -> np.ndarray:
 
 
 def marks_of(target: bpy.types.Object) -> np.ndarray | None:
-    """(original_count, 3) float32 values by which vertices are found again; None where there can be none.
+    """(original_count, 3) float32 marks by which vertices are recognized; None if they cannot be marked.
 
-    That is where floats cannot number them, and on linked meshes, whose evaluated copies get no attributes.
+    They cannot if floats cannot number them, or on linked meshes, whose evaluated copies get no attributes.
     """
     count, mesh = len(target.data.vertices), target.data
     if count >= EXACT or mesh.library is not None or mesh.override_library is not None:
@@ -259,7 +260,7 @@ def marks_of(target: bpy.types.Object) -> np.ndarray | None:
 
 
 def carried(mesh: bpy.types.Mesh, marks: np.ndarray) -> np.ndarray:
-    """(original_count,) int64 first vertex of an evaluated mesh that has each of the marks, or -1."""
+    """(original_count,) int64 first vertex of an evaluated mesh that has each mark, or -1."""
     attribute = mesh.attributes.get(MARK)
     if attribute is None or kind_of(attribute) != ("FLOAT_VECTOR", "POINT"):
         return np.full(len(marks), -1, np.int64)
@@ -267,7 +268,7 @@ def carried(mesh: bpy.types.Mesh, marks: np.ndarray) -> np.ndarray:
 
 
 def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
-    """(count,) int64 first row of carried (n, 3) that equals each row of marks (count, 3), numbered in column 0."""
+    """(count,) int64 first row of carried (n, 3) that equals each row of marks (count, 3), which column 0 numbers."""
     count = len(marks)
     first = carried[:, 0]
     plausible = np.isfinite(first) & (first >= 0) & (first < count)
@@ -280,7 +281,7 @@ def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
 
 @contextmanager
 def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
-    """Gives the mesh's vertices the marks (vertex_count, 3) for a while, if there are any."""
+    """Temporarily stores the marks (vertex_count, 3) on the mesh's vertices, if there are any."""
     if marks is None:
         yield
         return

@@ -17,7 +17,7 @@ ORIGINAL_FACE = "paradesc_face"
 
 
 def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) -> list[str]:
-    """Puts the maps, and what they need of the mesh, into its arrays; gives a sentence about each."""
+    """Adds the maps, and the mesh data that they need, to the arrays; returns a note about each map."""
     if not choice.any:
         return []
     if target.data.uv_layers.active is None:
@@ -71,7 +71,7 @@ def read_pixels(image: bpy.types.Image, name: str) -> np.ndarray:
 
 
 def read_linear(image: bpy.types.Image) -> np.ndarray:
-    """(height, width, 4) float32 as a material sees the image: sRGB made linear, data as they are."""
+    """(height, width, 4) float32 as materials see the image: sRGB as linear colors, data unchanged."""
     pixels = read_pixels(image, image.name)
     space = image.colorspace_settings
     # Blender makes floats linear when it loads them.
@@ -87,7 +87,7 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
 
 
 def read_material(target: bpy.types.Object, maps: SurfaceMaps) -> list[str]:
-    """Fills the maps from the object's material; gives a sentence about each."""
+    """Fills the maps from the object's material; returns a note about each."""
     material = single_material(target)
     uses_nodes = bpy.app.version >= (5, 0, 0) or material.use_nodes  # since Blender 5.0 every material does
     output = material.node_tree.get_output_node("ALL") if uses_nodes and material.node_tree else None
@@ -119,7 +119,7 @@ def single_material(target: bpy.types.Object) -> bpy.types.Material:
 def read_displacement_node(
     target: bpy.types.Object, material: bpy.types.Material, output: bpy.types.Node, maps: SurfaceMaps
 ) -> list[str]:
-    """Heights, midlevel and scale from the Displacement node of the output, if there is one."""
+    """Takes heights, midlevel and scale from the output's Displacement node, if there is one; returns notes."""
     socket = source_of(output.inputs["Displacement"])
     if socket is None:
         return []
@@ -140,7 +140,7 @@ def read_displacement_node(
 
 
 def uniform_scale(target: bpy.types.Object) -> float:
-    """The factor from the mesh's units to the world's."""
+    """The uniform scale factor from the mesh's units to the world's."""
     matrix = mesh_io.world_matrix(target)
     scale = spaces.scales(matrix)
     if scale.min() <= 0 or not spaces.is_even(matrix):
@@ -154,7 +154,7 @@ def uniform_scale(target: bpy.types.Object) -> float:
 def read_normal_node(
     target: bpy.types.Object, material: bpy.types.Material, output: bpy.types.Node, maps: SurfaceMaps
 ) -> list[str]:
-    """Colors from the Normal Map node of the output's surface shader, if there is one."""
+    """Takes colors from the Normal Map node of the output's surface shader, if there is one; returns notes."""
     shader = source_of(output.inputs["Surface"])
     entry = shader.node.inputs.get("Normal") if shader is not None else None
     socket = source_of(entry) if entry is not None else None
@@ -176,7 +176,7 @@ def read_normal_node(
 
 
 def with_strength(colors: np.ndarray, strength: float) -> np.ndarray:
-    """(height, width, 3) colors whose normals are mixed with the surface's own, as the node's Strength does."""
+    """(height, width, 3) colors of normals that are blended with the surface's own, as by the node's Strength."""
     if strength == 1.0:
         return np.ascontiguousarray(colors)
     normals = 2.0 * colors - 1.0
@@ -187,7 +187,7 @@ def with_strength(colors: np.ndarray, strength: float) -> np.ndarray:
 
 
 def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
-    """The output that feeds an input, through reroutes; None if nothing does."""
+    """The output that is linked to an input, through reroutes; None if there is no link."""
     while socket.is_linked:
         origin = socket.links[0].from_socket
         if origin.node.type != "REROUTE":
@@ -197,7 +197,7 @@ def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
 
 
 def constant(material: bpy.types.Material, node: bpy.types.Node, name: str) -> float:
-    """The value of an input that nothing feeds."""
+    """The value of an input, which must not be linked."""
     if source_of(node.inputs[name]) is not None:
         raise refuse(f'The {name} of the {node.bl_label} node in "{material.name}" is connected; it must be a number.')
     return float(node.inputs[name].default_value)
@@ -206,7 +206,7 @@ def constant(material: bpy.types.Material, node: bpy.types.Node, name: str) -> f
 def image_of(
     target: bpy.types.Object, material: bpy.types.Material, node: bpy.types.Node, name: str
 ) -> tuple[bpy.types.Image, str]:
-    """The image that feeds an input of a node, and which output of the Image Texture."""
+    """The image linked to an input of a node, and which output of the Image Texture node is used."""
     socket = source_of(node.inputs[name])
     texture = socket.node if socket is not None else None
     if texture is None or texture.type != "TEX_IMAGE" or texture.image is None:
@@ -226,7 +226,7 @@ def image_of(
 
 
 def check_uv_map(target: bpy.types.Object, name: str, node: bpy.types.Node) -> None:
-    """Refuses a map on another UV map than the active one, which alone is baked."""
+    """Raises if an image uses another UV map than the active one, which alone is baked."""
     layers = target.data.uv_layers
     used = name or next((layer.name for layer in layers if layer.active_render), layers.active.name)
     if used != layers.active.name:

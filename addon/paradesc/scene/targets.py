@@ -1,4 +1,4 @@
-"""Turns the selection into the meshes that are baked, each once; says what stands in the way; reads them."""
+"""Finds the meshes to bake from the selection, each once, with the obstacles to that; and reads them."""
 
 from dataclasses import dataclass, field
 
@@ -11,9 +11,9 @@ from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
-# Objects with a surface that becomes one of a mesh object first.
+# The types of objects with a surface that must be converted to a mesh first.
 CONVERTIBLE = ("CURVE", "SURFACE", "FONT", "META")
-# In these modes the mesh can be read, and they can be left and entered again.
+# The modes in which the mesh can be read, and which can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
@@ -41,15 +41,15 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def first(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The mesh object that panels and buttons are about, the first one that a bake takes; None if it takes none.
+    """The mesh object that panels and buttons refer to: the first one that a bake takes; None if there is none.
 
-    Without a window, as timers are called, there is no active object, and nobody looks at one.
+    Without a window, as when timers run, there is no active object, and nobody looks at one.
     """
     return next(iter(chosen(context)), None) if hasattr(context, "active_object") else None
 
 
 def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected objects with a surface that a bake leaves out, because they are no meshes yet."""
+    """The selected objects that a bake leaves out because they have a surface but are not meshes."""
     active = context.active_object
     if active is not None and active.mode != "OBJECT":
         return []
@@ -57,16 +57,16 @@ def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def kind_words(target: bpy.types.Object) -> str:
-    """The kind of an object, as Blender calls it."""
+    """The type of an object, in Blender's words."""
     return target.bl_rna.properties["type"].enum_items[target.type].name
 
 
 def unconvertible(item: bpy.types.Object) -> str:
-    """One sentence about why a text, curve, surface or metaball cannot become a mesh to bake, or ""."""
+    """One sentence about why a text, curve, surface or metaball object cannot be converted to a mesh, or ""."""
     if item.library is not None or item.data.library is not None or item.override_library is not None:
         return f'The object "{item.name}" is linked from another file; make it local first.'
     if item.type == "META":
-        return ""  # all of a family is in the mesh of one of them
+        return ""  # one of a family of metaballs has the whole mesh
     evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
     empty = mesh is None or not mesh.polygons
@@ -83,7 +83,7 @@ def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
 
 
 def reading_obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why no mesh can be measured right now, or ""."""
+    """One sentence about why no mesh can be read now, or ""."""
     missing = bridge.missing_sentence()
     if missing:
         return missing
@@ -100,7 +100,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why nothing can be baked right now, or ""."""
+    """One sentence about why nothing can be baked now, or ""."""
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
@@ -113,7 +113,7 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def unwritable(target: bpy.types.Object) -> str:
-    """Why the object's mesh would not keep what is written to it, or ""."""
+    """The reason why the object's mesh would not keep written values, or ""."""
     try:
         mesh_io.check_writable(target)
     except ParadescError as error:
@@ -126,14 +126,14 @@ def unwritable(target: bpy.types.Object) -> str:
 
 @dataclass
 class ReadRequest:
-    """How an object is read, apart from the settings of the computation; plain values, since it outlasts an undo."""
+    """The options for reading an object, apart from those of the computation. Plain values, which survive an undo."""
 
     shape_key: str = "basis"  # or "active"
     maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
     source: str = source_kinds.ORIGINAL  # or another of NAMES, or AUTOMATIC
-    buffers: bool = False  # those that are baked will be written
-    placing: bool = True  # results will be written to the object's vertices
-    remedy: str = "measure in World"  # what a sentence suggests if the scale does not count
+    buffers: bool = False  # whether the baked buffers will be written
+    placing: bool = True  # whether results will be written to the object's vertices
+    remedy: str = "measure in World"  # the remedy that a sentence suggests if the scale is ignored
 
 
 @dataclass
@@ -144,8 +144,8 @@ class Read:
     measured: bridge.MeshArrays  # the same in the space that is measured
     reading: source_meshes.Reading  # where its results belong
     notes: list[str]  # sentences about what was measured
-    warnings: list[str]  # and about what of it is not what is seen
-    map_notes: list[str]  # and about each image
+    warnings: list[str]  # about differences between the measured and the visible surface
+    map_notes: list[str]  # about the images
 
 
 def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
@@ -167,14 +167,14 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
 
 
 def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
-    """The source that has the surface which the viewport shows: the base mesh unless something changes it there."""
+    """The source of the surface in the viewport: the base mesh unless modifiers or shape keys change it there."""
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
     changes = bool(source_meshes.shown_modifiers(target)) or (shape_key == "basis" and shows_shape_key(target))
     return source_kinds.EVALUATED if changes and evaluated else source_kinds.ORIGINAL
 
 
 def shows_shape_key(target: bpy.types.Object) -> bool:
-    """Whether another shape than the basis of the shape keys is shown."""
+    """Whether the viewport shows another shape than the basis of the shape keys."""
     keys = target.data.shape_keys
     return keys is not None and (
         target.show_only_shape_key or any(block.value != 0 and not block.mute for block in keys.key_blocks[1:])
@@ -182,7 +182,7 @@ def shows_shape_key(target: bpy.types.Object) -> bool:
 
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
-    """Takes the positions of the wanted shape key; says so where another shape is shown."""
+    """Takes the positions of the chosen shape key; returns a note if another shape is shown."""
     keys = target.data.shape_keys
     if keys is None:
         return []
@@ -200,7 +200,7 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
 
 
 def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
-    """Says which object's modifiers or scale counted, if objects share a mesh but not these."""
+    """A note about which object was measured, if objects share a mesh but not its modifiers or scale."""
     first, *others = sharing
     if others and source != source_kinds.ORIGINAL:
         return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']

@@ -24,7 +24,7 @@ TEMPORARY = "Paradesc unwrap"
 
 
 def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, reason: str) -> Layout:
-    """The layout that stored describes, if it is there and fits, else a new one; the mesh stays as it is."""
+    """The layout that stored describes, if it exists and fits, else a new one. The mesh stays as it is."""
     starts = face_starts(mesh)
     key = topology(arrays.corner_vertices, starts)
     uvs = kept_uvs(mesh, stored, key)
@@ -38,7 +38,7 @@ def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, rea
 
 
 def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
-    """A name for how faces are connected: the (corner_count,) vertices and the (face_count,) first corners."""
+    """A key of how faces are connected: the (corner_count,) vertices and the (face_count,) first corners."""
     return digest(corner_vertices, starts)
 
 
@@ -46,7 +46,7 @@ def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
 
 
 def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarray | None:
-    """The (corner_count, 2) float32 layout in the mesh, if it is the one that stored describes and fits."""
+    """The (corner_count, 2) float32 layout in the mesh, if it is the one that stored describes, and fits."""
     attribute = mesh.attributes.get(ATTRIBUTE)
     if attribute is None or stored.get("topology") != key:
         return None
@@ -59,7 +59,7 @@ def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarr
 
 
 def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
-    """Keeps the layout in the mesh; gives what has to be stored beside it, or nothing if the mesh has changed since."""
+    """Stores the layout in the mesh; returns its description for the record, or none if the mesh has changed since."""
     corner_vertices = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corner_vertices)
     if topology(corner_vertices, face_starts(mesh)) != made.topology:
@@ -132,7 +132,7 @@ def has_area(arrays: MeshArrays) -> bool:
 
 
 def failure(why: str) -> ParadescError:
-    """The error for a mesh that Blender could not unwrap."""
+    """The error for a mesh that Blender cannot unwrap."""
     sentence = f"Blender could not unwrap the mesh ({why}); unwrap it yourself, or choose the processor (cpu)."
     return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
@@ -204,7 +204,7 @@ def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarra
 
 @contextmanager
 def edit_mode(mesh: bpy.types.Mesh) -> Iterator[None]:
-    """Enters edit mode on the mesh in a scene of its own, so that the open scene, its selection and modes stay."""
+    """Enters edit mode on the mesh in a temporary scene, so that the open scene with its selection and modes stays."""
     scene = bpy.data.scenes.new(TEMPORARY)
     target = bpy.data.objects.new(TEMPORARY, mesh)
     try:
@@ -225,10 +225,10 @@ def edit_mode(mesh: bpy.types.Mesh) -> Iterator[None]:
 
 
 def run_operator() -> None:
-    """Makes charts by direction and projects them.
+    """Projects charts that are made by direction.
 
-    Flattening each by its angles would take ten times as long for a fifth of the error, and make charts overlap.
-    Blender does not pack them: with gutters its 3.4 takes minutes for thousands of charts.
+    Flattening each chart by its angles would take ten times as long for a fifth of the error, and make charts overlap.
+    Blender does not pack the charts: with gutters, its version 3.4 takes minutes for thousands of them.
     """
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.smart_project(angle_limit=ANGLE_LIMIT, island_margin=0.0)

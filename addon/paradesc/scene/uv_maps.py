@@ -1,4 +1,4 @@
-"""Finds the UV map that an image lies over, and makes one where a mesh has none that an image can lie over."""
+"""Finds the UV map for an image, and makes one for a mesh that has none an image could use."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,28 +14,28 @@ from . import mesh_io, modes, targets, unwrap
 NAME = "Paradesc"
 # Charts lie so far apart, as a share of the square's side: eight texels of 1024.
 GUTTER = 8 / 1024
-# An image is of no use if so many faces, by area, share each place on average. Mirrored halves share one with two.
+# An image is useless if so many faces, by area, share each place on average. Mirrored halves share each place by two.
 MOST_STACKED = 3.0
-# Texels along a side of the image that tells how much of the square is covered.
+# The side of the image that measures how much of the square is covered.
 PROBE = 256
 
 
 @dataclass
 class Over:
-    """The UV map of its own over which a mesh was read."""
+    """The mesh's own UV map over which an image is baked."""
 
-    name: str  # "" where modifiers make it
-    repeats: bool  # it lies beyond the image, or the tiles, that are made of it
-    made: bool = False  # for this bake
+    name: str  # "" if modifiers make the map
+    repeats: bool  # whether the map reaches beyond the image or tiles
+    made: bool = False  # whether it was made for this bake
     note: str = ""
 
 
 def read_over(
     target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest
 ) -> tuple[targets.Read, Over]:
-    """Reads a mesh over its active UV map, or where that is of no use, over one of ours, which it gets if it has none.
+    """Reads a mesh over its active UV map, or over one of ours if that is unusable; makes one if there is none.
 
-    Raises one sentence where the mesh cannot get a map, or where its user has several maps to choose from.
+    Raises one sentence if the mesh cannot get a map, or if its user has several maps to choose from.
     """
     layers, reason, read, said = target.data.uv_layers, "has no UV map", None, ""
     if len(layers) or request.source not in (source_kinds.ORIGINAL, "deformed"):  # other modifiers may add a map
@@ -67,13 +67,13 @@ def read_over(
 
 
 def over(read: targets.Read, name: str, made: bool = False, note: str = "") -> tuple[targets.Read, Over]:
-    """A mesh that was read, and what there is to say of its map."""
+    """The mesh that was read, and the facts about its map."""
     tiling = udim.of_mesh(read.measured)
     return read, Over(name, not tiling.first and not tiling.tiles, made, note)
 
 
 def fault(arrays: bridge.MeshArrays) -> str:
-    """Why no image should lie over the mesh's own UV map, as "has …", or ""."""
+    """The reason why no image should lie over the mesh's own UV map, worded as "has …", or ""."""
     if arrays.map_fault or udim.of_mesh(arrays).tiles:
         return arrays.map_fault
     corners = arrays.corner_uvs[arrays.triangle_corners]
@@ -84,18 +84,18 @@ def fault(arrays: bridge.MeshArrays) -> str:
 
 
 def not_rendered(mesh: bpy.types.Mesh, name: str) -> str:
-    """The name of a map, if renders use another one where nothing names it; else ""."""
+    """The name of a map, if materials that name no map would render another one; else ""."""
     layer = mesh.uv_layers.get(name)
     return name if layer is not None and not layer.active_render else ""
 
 
 def own(mesh: bpy.types.Mesh) -> str:
-    """The name of the newest map that was made here, or ""."""
+    """The name of the newest map that this module made, or ""."""
     return next((layer.name for layer in reversed(mesh.uv_layers) if layer.name.startswith(NAME)), "")
 
 
 def may_make(target: bpy.types.Object) -> bool:
-    """Whether the mesh can get a map: where there are several, the choice among them is the user's."""
+    """Whether the mesh may get a map. With several maps, the user has to choose among them."""
     others = [layer for layer in target.data.uv_layers if not layer.name.startswith(NAME)]
     return (
         len(others) < 2
@@ -106,7 +106,7 @@ def may_make(target: bpy.types.Object) -> bool:
 
 
 def make(target: bpy.types.Object) -> str:
-    """Unwraps a copy of the mesh, and gives the mesh that layout as one more UV map, whose name it gives."""
+    """Unwraps a copy of the mesh and adds the layout to the mesh as a new UV map; returns its name."""
     mesh = target.data
     arrays = mesh_io.read_object(target, False, False)
     with modes.object_mode(target):
@@ -119,7 +119,7 @@ def make(target: bpy.types.Object) -> str:
 
 
 def remove(target: bpy.types.Object, name: str) -> None:
-    """Takes a map away that was made for a bake which came to nothing."""
+    """Removes a map that was made for a failed bake."""
     with modes.object_mode(target):
         layer = target.data.uv_layers.get(name)
         if layer is not None:
@@ -128,7 +128,7 @@ def remove(target: bpy.types.Object, name: str) -> None:
 
 @contextmanager
 def active(target: bpy.types.Object, name: str) -> Iterator[None]:
-    """Makes a map the active one for a while; "": leaves it."""
+    """Temporarily makes this map the active one; "" changes nothing."""
     layers = target.data.uv_layers
     former = layers.active_index
     if not name or layers.active == layers.get(name):

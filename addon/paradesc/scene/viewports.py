@@ -11,19 +11,20 @@ from bpy.app.handlers import persistent
 from ..settings import hooks, preferences
 from . import image_preview, node_groups, record
 
-# A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
-# saved file still can bring it back. Earlier versions kept the color type alone, or one for all viewports.
+# The custom property of the screen that keeps the former solid shading by the number of the viewport's area, so that a
+# saved file can still restore it. Earlier versions kept only the color type, or one for all viewports.
 FORMER = "paradesc_color_type"
-# Another one: the numbers of the viewports that were solid before they showed materials.
+# The custom property with the numbers of viewports that were solid before they showed materials.
 SOLID_BEFORE = "paradesc_solid_before"
-# Another one: the numbers of all viewports when these were written. One that is not among them was split off since.
+# The custom property with the numbers of all viewports at that time. A viewport that is missing in it was split off
+# since.
 KNOWN = "paradesc_viewports"
-# Another one, of FORMER's form: how viewports showed what undo has taken away, and redo or another radius brings back.
+# The custom property, in the form of FORMER, with shadings that undo has taken away, for redo or another radius.
 UNDONE = "paradesc_undone"
 ATTRIBUTES = "VERTEX"
-# Highlights, shadows and Blender's own cavities would be taken for values.
+# Highlights, shadows and Blender's own cavity shading would be mistaken for values.
 PLAIN = {"color_type": ATTRIBUTES, "light": "FLAT", "show_cavity": False, "show_shadows": False}
-# Who sculpts sees the shape by its light.
+# In sculpt mode lights stay on, as they show the shape.
 LIT = {"color_type": ATTRIBUTES}
 Look = dict[str, str | bool]
 
@@ -36,7 +37,7 @@ def shadings(screen: bpy.types.Screen | None) -> Iterator[tuple[str, bpy.types.V
 
 
 def formers(screen: bpy.types.Screen) -> dict[str, Look]:
-    """What viewports showed before, by number."""
+    """The former shadings of viewports, by number."""
     kept = screen.get(FORMER, {})
     if isinstance(kept, str):
         kept = dict.fromkeys((number for number, _ in shadings(screen)), kept)
@@ -44,7 +45,7 @@ def formers(screen: bpy.types.Screen) -> dict[str, Look]:
 
 
 def settle(screen: bpy.types.Screen) -> None:
-    """A viewport that was split off goes back to what the one showed that it was split from, and whose look it has."""
+    """Gives a viewport that was split off the former shading of the viewport with the same look."""
     shown = {int(number): shading for number, shading in shadings(screen)}
     known = [number for number in screen.get(KNOWN, shown) if number in shown]
     former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
@@ -59,24 +60,24 @@ def settle(screen: bpy.types.Screen) -> None:
 
 
 def look_of(shading: bpy.types.View3DShading) -> Look:
-    """What a viewport shows, as far as a bake changes it."""
+    """The shading settings of a viewport that a bake changes."""
     return {name: getattr(shading, name) for name in PLAIN}
 
 
 def wanted(context: bpy.types.Context) -> Look:
-    """How a viewport shows attributes, which depends on the mode of the active object."""
+    """The shading for attributes, which depends on the mode of the active object."""
     active = getattr(context, "active_object", None)  # without a window, as timers are called, there is none
     return LIT if active is not None and active.mode == "SCULPT" else PLAIN
 
 
 def is_shown(context: bpy.types.Context) -> bool:
-    """Whether the solid viewport of the context shows attributes as they are shown after a bake."""
+    """Whether the context's viewport is solid and shows attributes as after a bake."""
     shading, look = context.space_data.shading, wanted(context)
     return all(getattr(shading, name) == look[name] for name in ("color_type", "light") if name in look)
 
 
 def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading, look: Look = PLAIN) -> None:
-    """Lets solid shading show the active color attribute, and keeps in mind what it showed before."""
+    """Makes solid shading show the active color attribute, and remembers its former settings."""
     if screen is not None:
         settle(screen)
     for number, own in shadings(screen):
@@ -91,7 +92,7 @@ def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DSh
 
 
 def give_back(shading: bpy.types.View3DShading, former: Look) -> None:
-    """Brings back what a viewport showed before, except what somebody has set since."""
+    """Restores the former settings of a viewport, except those that were changed since."""
     for name, value in former.items():
         if name in PLAIN and getattr(shading, name) == PLAIN[name]:
             kind = shading.bl_rna.properties[name]
@@ -102,9 +103,9 @@ def give_back(shading: bpy.types.View3DShading, former: Look) -> None:
 
 
 def reveal(context: bpy.types.Context) -> None:
-    """Every solid viewport of the window shows the colors, unless the preferences say otherwise.
+    """Makes every solid viewport of the window show the colors, unless the preferences say otherwise.
 
-    One that shows attributes because of an earlier bake keeps the light that somebody has chosen for it since.
+    A viewport that an earlier bake made show attributes keeps the light that somebody has chosen since.
     """
     if bpy.app.background or not preferences.shows_results():
         return
@@ -122,7 +123,7 @@ def reveal(context: bpy.types.Context) -> None:
 
 
 def reveal_materials(context: bpy.types.Context) -> None:
-    """After materials were changed: every solid viewport shows them, unless the preferences say otherwise."""
+    """Makes every solid viewport show materials, which have just changed, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
     settle(context.screen)
@@ -136,12 +137,12 @@ def reveal_materials(context: bpy.types.Context) -> None:
 
 
 def can_restore(context: bpy.types.Context) -> bool:
-    """Whether it is known how the viewports looked before."""
+    """Whether the former shading of viewports is known."""
     return context.screen is not None and (FORMER in context.screen or SOLID_BEFORE in context.screen)
 
 
 def restore(screen: bpy.types.Screen) -> None:
-    """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
+    """Restores the former shading of every viewport that a bake changed, if it still shows attributes."""
     image_preview.hide()
     settle(screen)
     former, solid = formers(screen), list(screen.get(SOLID_BEFORE, []))
@@ -155,7 +156,7 @@ def restore(screen: bpy.types.Screen) -> None:
 
 
 def yield_to_mask(context: bpy.types.Context) -> None:
-    """After sculpt mode's mask was written: what it darkens is not seen on the black of a bake, so the eye closes."""
+    """Restores the shading after a sculpt mask was written, as the mask's dark areas cannot be seen on a black bake."""
     if not bpy.app.background and preferences.shows_results() and can_restore(context):
         restore(context.screen)
 
@@ -164,7 +165,7 @@ def yield_to_mask(context: bpy.types.Context) -> None:
 
 
 def shows_ours(window: bpy.types.Window) -> bool:
-    """Whether any visible mesh of a window has colors of a bake as its active ones, or a material that was shown."""
+    """Whether a visible mesh in the window has active colors from a bake, or a material that a bake made it show."""
     layer = window.view_layer  # not that of the context, where another window shows another scene
     visible = [item for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)]
     active = ((item.data, item.data.color_attributes.active_color) for item in visible)
@@ -176,7 +177,7 @@ def shows_ours(window: bpy.types.Window) -> bool:
 
 @persistent
 def on_undo(*_ignored: object) -> None:
-    """Brings back what viewports showed before the bake that was undone."""
+    """Restores the shading from before the bake that was undone."""
     for window in bpy.context.window_manager.windows:
         if (FORMER in window.screen or SOLID_BEFORE in window.screen) and not shows_ours(window):
             shown = [(number, one) for number, one in shadings(window.screen) if one.color_type == ATTRIBUTES]
@@ -186,7 +187,7 @@ def on_undo(*_ignored: object) -> None:
 
 @persistent
 def on_redo(*_ignored: object) -> None:
-    """Lets viewports show the colors again that redo has brought back."""
+    """Makes viewports show the colors again that redo has restored."""
     for window in bpy.context.window_manager.windows:
         if UNDONE in window.screen and shows_ours(window):
             with bpy.context.temp_override(window=window):
@@ -198,10 +199,10 @@ classes = ()
 
 
 def register() -> None:
-    """Makes Blender call these after undo and redo."""
+    """Adds the handlers for undo and redo."""
     hooks.hang(HANDLERS)
 
 
 def unregister() -> None:
-    """Ends these calls."""
+    """Removes the handlers."""
     hooks.take_down(HANDLERS)
