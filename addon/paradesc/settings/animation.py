@@ -6,7 +6,7 @@ from ..core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, DEFORMED, ORIGINAL,
 from ..files import cache
 from .properties import path_options
 
-# Files keep the numbers of the choices.
+# Files store choices as numbers.
 AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, how it is deformed")
 DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
 
@@ -50,7 +50,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
 
 
 def frame_source(group: bpy.types.PropertyGroup) -> str:
-    """The source of frames in one scene; AUTOMATIC follows from each object."""
+    """The source of frames in a scene; AUTOMATIC stands for one that depends on each object."""
     chosen = group.source if group.frame_source == AS_SOURCE[0] else group.frame_source
     return DEFORMED if chosen == ORIGINAL else chosen
 
@@ -59,10 +59,10 @@ classes = (PARADESC_PG_animation,)
 
 
 def register() -> None:
-    """Gives every scene its source and frames."""
+    """Adds the settings to every scene."""
     bpy.types.Scene.paradesc_animation = bpy.props.PointerProperty(type=PARADESC_PG_animation)
 
 
 def unregister() -> None:
-    """Removes them."""
+    """Removes the settings."""
     del bpy.types.Scene.paradesc_animation

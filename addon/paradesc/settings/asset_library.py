@@ -12,7 +12,7 @@ NAME = "Paradesc"
 
 
 def place() -> int:
-    """The number of our folder among the asset libraries of the preferences, or -1."""
+    """The index of our folder among the asset libraries of the preferences, or -1."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
     return next((number for number, one in enumerate(libraries) if one.path and Path(one.path) == FOLDER), -1)
 
@@ -38,7 +38,7 @@ class PARADESC_OT_asset_library(bpy.types.Operator):
 
 
 def draw(layout: bpy.types.UILayout) -> None:
-    """Draws the button, by what it would do."""
+    """Draws the button, with a label for what it will do."""
     there = place() >= 0
     words = translation.label("Remove from Asset Browser" if there else "Add to Asset Browser")
     layout.operator("paradesc.asset_library", text=words, icon="ASSET_MANAGER", translate=False)

@@ -1,4 +1,4 @@
-"""Hangs functions into Blender's lists of handlers, each once, however often the add-on is enabled."""
+"""Adds functions to Blender's lists of handlers, each only once, however often the add-on is enabled."""
 
 from collections.abc import Callable
 
@@ -8,7 +8,7 @@ Handlers = dict[str, Callable[..., None]]
 
 
 def hang(handlers: Handlers) -> None:
-    """Adds each function to the list of that name; one from an earlier import of the add-on makes room."""
+    """Adds each function to the list of its name, in place of the same one from an earlier import of the add-on."""
     for name, function in handlers.items():
         hooks = getattr(bpy.app.handlers, name)
         for hook in [hook for hook in hooks if is_same(hook, function)]:
@@ -17,7 +17,7 @@ def hang(handlers: Handlers) -> None:
 
 
 def take_down(handlers: Handlers) -> None:
-    """Removes the functions."""
+    """Removes the functions from their lists."""
     for name, function in handlers.items():
         hooks = getattr(bpy.app.handlers, name)
         if function in hooks:
@@ -25,5 +25,5 @@ def take_down(handlers: Handlers) -> None:
 
 
 def is_same(hook: object, function: object) -> bool:
-    """Whether this is that function, even from an earlier import."""
+    """Whether a handler is this function, even from an earlier import."""
     return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)

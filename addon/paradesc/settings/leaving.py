@@ -1,4 +1,4 @@
-"""Cleans up before Python ends: Blender's Python module would crash if properties with callbacks remained."""
+"""Cleans up before Python exits, as Blender's Python module would crash if properties with callbacks remained."""
 
 import atexit
 import gc
@@ -7,7 +7,7 @@ import bpy
 
 
 def clear_at_end(classes: list[type]) -> None:
-    """Clears these classes when Python ends."""
+    """Makes the properties of these classes be cleared when Python exits."""
     atexit.unregister(clear)
     atexit.register(clear, classes)
 

@@ -20,13 +20,13 @@ PACKED_DOMAINS = [
 COLORS = members.color_members()
 CHANNELS = ("red", "green", "blue", "alpha")
 Listener = Callable[[bpy.types.Scene, str], None]
-# Called with the scene whose settings were changed, and the name of the setting. Folders that come later add
-# themselves, unknown to this one.
+# Functions that are called with the scene whose settings have changed, and the name of the setting. Folders that import
+# this one add theirs, so that this one need not import them.
 LISTENERS: list[Listener] = []
 
 
 def listen(listener: Listener) -> None:
-    """Adds a listener, once, however often the add-on is enabled; one from an earlier import makes room."""
+    """Adds a listener only once, in place of the same one from an earlier import of the add-on."""
     ignore(listener)
     LISTENERS.append(listener)
 
@@ -44,7 +44,7 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
 
 
 def of_color(name: str) -> object:
-    """The property of a setting of colors, which lets those know who show values in them."""
+    """The property of a color setting, which calls all listeners when it changes."""
 
     def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         for listener in LISTENERS:
@@ -90,7 +90,7 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
 
 
 def scene_look(scene: bpy.types.Scene) -> Look:
-    """The look that a scene asks for; the default look if the add-on is not registered."""
+    """The look of a scene's settings; the default look if the add-on is not registered."""
     group = getattr(scene, "paradesc_looks", None)
     return Look() if group is None else choices.look_of(group)
 
@@ -99,10 +99,10 @@ classes = (PARADESC_PG_looks,)
 
 
 def register() -> None:
-    """Gives every scene its settings."""
+    """Adds the settings to every scene."""
     bpy.types.Scene.paradesc_looks = bpy.props.PointerProperty(type=PARADESC_PG_looks)
 
 
 def unregister() -> None:
-    """Removes them."""
+    """Removes the settings."""
     del bpy.types.Scene.paradesc_looks

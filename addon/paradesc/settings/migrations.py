@@ -1,4 +1,4 @@
-"""Keeps old files as they were: a setting that a file leaves at its default keeps the default of its time."""
+"""Keeps old files as they were: settings that were at the defaults of their version keep those values."""
 
 import bpy
 from bpy.app.handlers import persistent
@@ -14,21 +14,21 @@ FORMER_DESCRIPTORS, FORMER_TEXELS = ("mean_curvature", "cavity"), 512
 
 @persistent
 def on_load(*_ignored: object) -> None:
-    """Gives the scenes of an older file the defaults with which they were saved."""
+    """Gives scenes of an older file the defaults of its version."""
     for scene in bpy.data.scenes:
         migrate(scene)
 
 
 @persistent
 def on_update(scene: bpy.types.Scene, *_ignored: object) -> None:
-    """Does so for a scene that was appended from an older file, once Blender shows it."""
+    """Migrates a scene that was appended from an older file, once Blender shows it."""
     migrate(scene)
 
 
 def migrate(scene: bpy.types.Scene) -> None:
     """Stores the earlier defaults in a scene whose settings were stored before they had a version.
 
-    Where nothing is stored nobody has chosen anything, and the defaults of today hold.
+    If no setting is stored, nobody has chosen any, and the present defaults apply.
     """
     if scene.library is not None or not scene.is_property_set("paradesc"):
         return
@@ -46,7 +46,7 @@ def migrate(scene: bpy.types.Scene) -> None:
 
 
 def keep_first_defaults(group: bpy.types.PropertyGroup, animation: bpy.types.PropertyGroup) -> None:
-    """Stores the defaults that had no version yet."""
+    """Stores the defaults of files that have no version yet."""
     if not group.is_property_set("texels"):
         group.texels = FORMER_TEXELS
     if not animation.is_property_set("source"):
@@ -54,7 +54,7 @@ def keep_first_defaults(group: bpy.types.PropertyGroup, animation: bpy.types.Pro
 
 
 def stores_any(group: bpy.types.PropertyGroup) -> bool:
-    """Whether any setting has been chosen."""
+    """Whether any setting is stored."""
     names = [item.identifier for item in group.bl_rna.properties if item.identifier not in ("rna_type", "name")]
     return any(map(group.is_property_set, names))
 
@@ -66,7 +66,7 @@ classes = ()
 def register() -> None:
     """Adds each handler to Blender; a file that is open already is looked at now."""
     hooks.hang(HANDLERS)
-    if hasattr(bpy.data, "scenes"):  # not while Blender starts
+    if hasattr(bpy.data, "scenes"):  # false while Blender starts
         on_load()
 
 

@@ -69,7 +69,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
 
 def found() -> PARADESC_AP_preferences | None:
-    """The preferences, or None if the add-on is imported but not enabled."""
+    """The preferences; None if the add-on is imported but not enabled."""
     addon = bpy.context.preferences.addons.get(ADDON)
     return None if addon is None else addon.preferences
 
@@ -81,26 +81,26 @@ def shows_research() -> bool:
 
 
 def memory_limit() -> int:
-    """Bytes that a computation may take; 0 if nobody has set a limit."""
+    """The memory in bytes that a computation may take; 0 if there is no limit."""
     preferences = found()
     return 0 if preferences is None else round(preferences.memory_limit * GIGABYTE)
 
 
 def shows_results() -> bool:
-    """Whether viewports show what was baked, without a further click."""
+    """Whether viewports show the results of a bake at once."""
     preferences = found()
     return True if preferences is None else preferences.show_results
 
 
 def presets_folder() -> Path | None:
-    """The folder of shared presets, or None if nobody has named one."""
+    """The folder of shared presets; None if the preferences name none."""
     preferences = found()
     chosen = "" if preferences is None else preferences.presets_folder
     return Path(bpy.path.abspath(chosen)) if chosen else None
 
 
 def website() -> str:
-    """The address that the manifest of a package names, or ""."""
+    """The address in the package's manifest, or ""."""
     manifest = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
     text = manifest.read_text(encoding="utf-8") if manifest.is_file() else ""
     named = re.search(r'^website = "([^"]+)"', text, re.MULTILINE)
@@ -108,7 +108,7 @@ def website() -> str:
 
 
 def tracker(home: str) -> str:
-    """The address for reports of bugs, if the website is a repository on a forge; or ""."""
+    """The address for bug reports, if the website is a repository on a forge; else ""."""
     repository = re.fullmatch(r"(https://(?:github\.com|gitlab\.com|codeberg\.org)/[\w.-]+/[\w.-]+?)/?", home)
     return f"{repository[1]}/issues" if repository else ""
 

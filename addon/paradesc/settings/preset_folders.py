@@ -1,4 +1,4 @@
-"""Where preset files lie: in Blender's folders of presets, and in the folder that the add-on's preferences name."""
+"""Finds preset files: in Blender's preset folders, and in the folder that the add-on's preferences name."""
 
 import os
 import time
@@ -14,9 +14,9 @@ from ..files import old_presets, preset_rules
 from . import preferences
 
 SUBFOLDER = "paradesc"
-# A menu that is open is drawn at every move of the mouse; folders are looked at again after so many seconds.
+# Blender redraws an open menu at every move of the mouse; folders are read again only after so many seconds.
 PATIENCE = 1.0
-# A folder that has more files is none of presets alone, and takes long to read.
+# A folder with more files than this is not meant for presets only, and takes long to read.
 MOST_FILES = 200
 
 
@@ -27,12 +27,12 @@ class Row:
     path: Path
     name: str
     purpose: str = ""
-    fault: str = ""  # why it cannot be used, or ""
+    fault: str = ""  # the reason why it cannot be used, or ""
 
 
 @dataclass
 class Listing:
-    """What a folder held when it was looked at last."""
+    """The content of a folder when it was last read."""
 
     looked: float
     stamps: list[tuple[str, int, int]]
@@ -43,13 +43,13 @@ listings: dict[Path, Listing] = {}
 
 
 def own_folder(create: bool = False) -> Path | None:
-    """The folder of the user's own presets, or None if there is none."""
+    """The folder of the user's own presets; None if it does not exist."""
     found = bpy.utils.user_resource("SCRIPTS", path=f"presets/{SUBFOLDER}", create=create)
     return Path(found) if found else None
 
 
 def shared_folders() -> list[Path]:
-    """Folders of presets that others keep: on Blender's other script paths, and the one that the preferences name."""
+    """The folders of shared presets: those on Blender's other script paths, and the one that the preferences name."""
     found = [Path(path) for path in bpy.utils.preset_paths(SUBFOLDER)]
     chosen = preferences.presets_folder()
     found += [chosen] if chosen else []
@@ -63,13 +63,13 @@ def same_place(first: Path, second: Path) -> bool:
 
 
 def is_own(path: Path) -> bool:
-    """Whether a preset file is the user's own."""
+    """Whether a preset file is in the user's own folder."""
     own = own_folder()
     return own is not None and same_place(path.parent, own)
 
 
 def rows_in(folder: Path | None) -> list[Row]:
-    """The presets in a folder by name; read again only if a file in it has changed."""
+    """The presets in a folder, sorted by name. They are read again only if a file has changed."""
     if folder is None:
         return []
     known, now = listings.get(folder), time.monotonic()
@@ -85,12 +85,12 @@ def rows_in(folder: Path | None) -> list[Row]:
 
 
 def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
-    """Name, time and size of each file that may be a preset; none if the folder cannot be read."""
+    """Name, time and size of each file that may be a preset; empty if the folder cannot be read."""
     found = []
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             name = entry.name
-            # Blender's properties hold no path that is no text, and hidden files are none of people's.
+            # Blender's properties cannot hold paths that are not valid text. Hidden files are not meant for people.
             if Path(name).suffix.lower() in old_presets.SUFFIXES and name.isprintable() and not name.startswith("."):
                 with suppress(OSError):
                     about = entry.stat()
@@ -99,7 +99,7 @@ def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
 
 
 def row_of(path: Path) -> Row:
-    """A preset file as the menu lists it: if it cannot be used, by its file name."""
+    """A preset file as the menu lists it; a file that cannot be used has its file name."""
     try:
         content = preset_rules.sound(path)
     except ParadescError as error:
@@ -108,7 +108,7 @@ def row_of(path: Path) -> Row:
 
 
 def forget() -> None:
-    """Looks at every folder again when it is asked for next."""
+    """Makes every folder be read again when it is needed next."""
     listings.clear()
 
 
@@ -118,20 +118,20 @@ def every_row() -> list[Row]:
 
 
 def row_at(path: Path) -> Row | None:
-    """The row of a file that has been listed, without looking at any folder."""
+    """The row of a file that was listed before; no folder is read."""
     listing = listings.get(path.parent)
     return next((row for row in listing.rows if row.path == path), None) if listing else None
 
 
 def row_named(name: str) -> Row | None:
-    """The preset of this name, or whose file is called so; sound ones go first."""
+    """The preset whose name or file name this is; usable ones come first."""
     wanted = name.casefold()
     found = [row for row in every_row() if wanted in (row.name.casefold(), row.path.stem.casefold())]
     return min(found, key=lambda row: bool(row.fault), default=None)
 
 
 def convert_own() -> None:
-    """Turns the user's presets of earlier versions into JSON; the menu says of those that stay why they cannot be."""
+    """Converts the user's presets of earlier versions to JSON. The menu says why any that remain cannot be."""
     folder = own_folder()
     if folder is None or bridge.missing_sentence():
         return

@@ -1,4 +1,4 @@
-"""Applies presets to a scene, and makes one of a scene's settings."""
+"""Applies presets to a scene, and creates presets from a scene's settings."""
 
 import bpy
 
@@ -7,9 +7,9 @@ from ..files.preset_file import Content, Rule
 
 
 def apply(scene: bpy.types.Scene, content: Content) -> None:
-    """Applies a sound preset: settings and colors that it does not name get their default, images stay as they are.
+    """Applies a valid preset. Settings and colors that it does not name get their defaults; images keep theirs.
 
-    A value is set only if it differs, because setting one color makes live values recolor.
+    A value is set only if it differs, because setting a color makes live values recolor.
     """
     known = preset_rules.rules()
     if content.settings is not None:
@@ -24,7 +24,7 @@ def apply(scene: bpy.types.Scene, content: Content) -> None:
 
 
 def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Rule]) -> None:
-    """Sets what differs; whether the radius is fitted goes last, because setting a radius means that it is not."""
+    """Sets the values that differ. radius_fit comes last, because setting a radius marks it as typed."""
     kept = preset_file.as_kept(values, known)
     for name in sorted(kept, key="radius_fit".__eq__):
         if getattr(group, name) != kept[name]:
@@ -32,7 +32,7 @@ def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known
 
 
 def content_of(scene: bpy.types.Scene, name: str, purpose: str = "") -> Content:
-    """A scene's settings, colors and image settings as a preset."""
+    """The preset of a scene's settings, colors and image settings."""
     groups = {"settings": scene.paradesc, "colors": scene.paradesc_looks, "image": scene.paradesc}
     sections = {
         section: {member: preset_file.plain(getattr(groups[section], member)) for member in known}

@@ -1,4 +1,4 @@
-"""Presets for common purposes, by one click each, the user's own, and those of a folder that a studio shares."""
+"""Presets for common purposes, which take one click each, and presets of the user and of a studio's shared folder."""
 
 from pathlib import Path
 
@@ -13,20 +13,20 @@ from . import preset_folders, preset_members, translation
 NO_NAME = "Give the preset a name."
 
 
-# The file of the preset that was chosen last, if it was none of ours.
+# The file of the preset that was chosen last, if it is not a built-in one.
 chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
 def masks_of(descriptors: set[str]) -> list[str]:
-    """The masks that these descriptors are; none if there is something else among them."""
+    """The masks with exactly these descriptors; empty if there are others among them."""
     found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= descriptors]
     every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
     return found if every == descriptors else []
 
 
 def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
-    """The masks that are chosen; none if something else is chosen as well."""
+    """The chosen masks; empty if other descriptors are chosen as well."""
     return masks_of(group.descriptors)
 
 
@@ -36,7 +36,7 @@ def members() -> list[str]:
 
 
 def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Applies one of our presets to a scene's settings and colors; what belongs to device and output stays."""
+    """Applies a built-in preset to a scene's settings and colors; device and output stay."""
     preset = PRESETS[name]
     preset_members.apply(group.id_data, preset.content())
     show_chosen(preset.label)
@@ -44,7 +44,7 @@ def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
 
 
 def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Chooses a mask; all else stays, a radius that was typed too. One that is fitted follows from the mask."""
+    """Chooses a mask, and leaves all other settings as they are. A radius that is fitted follows from the mask."""
     preset = PRESETS[name]
     group.descriptors = preset.members["descriptors"]
     show_chosen(preset.label)
@@ -52,7 +52,7 @@ def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
 
 
 def switch_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Adds a mask to those that are chosen, or takes it away again; one of them stays."""
+    """Adds a mask to the chosen ones, or removes it if it is chosen; the last one stays."""
     preset, chosen = PRESETS[name], chosen_masks(group)
     left = [mask for mask in chosen if mask != name] if name in chosen else [*chosen, name]
     if left:
@@ -62,31 +62,31 @@ def switch_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
 
 
 def shown_chosen() -> tuple[str, Path | None]:
-    """What show_chosen() was told last."""
+    """The label and file that show_chosen() was last given."""
     return PARADESC_MT_presets.bl_label, chosen[0] if chosen else None
 
 
 def show_chosen(label: str, path: Path | None = None) -> None:
-    """Shows in the panel which preset was chosen last, and keeps its file for the button that removes it."""
+    """Shows the label of the preset that was chosen last, and keeps its file for the button that removes it."""
     PARADESC_MT_presets.bl_label = label
     chosen[:] = [path] if path else []
 
 
 class NeedsLibrary:
-    """An operator that needs the native library, whose descriptors a preset chooses."""
+    """Base of operators that need the native library, because its descriptors are chosen."""
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Is there only with the library."""
+        """Works only if the native library is available."""
         return not bridge.missing_sentence()
 
 
 class Chooses(NeedsLibrary):
-    """What operators share that are given the name of a preset, which choose() applies in part or as a whole."""
+    """Base of operators on a preset of a given name, which choose() applies in part or as a whole."""
 
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the preset is for."""
+        """The purpose of the preset, as a tooltip."""
         return translation.tooltip(PRESETS[asked.name].purpose)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -129,15 +129,15 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """Says what the mask is for, and how to bake several."""
+        """The purpose of the mask, and how to bake several, as a tooltip."""
         return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
 
     def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:
-        """Chooses this mask alone, or beside the others."""
+        """Chooses this mask alone, or switches it in addition to others."""
         return (switch_mask if self.extend else choose_mask)(group, name)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Takes Shift as the switch."""
+        """Runs the operator; with Shift it switches the mask."""
         self.extend = event.shift
         return self.execute(context)
 
@@ -153,13 +153,13 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the preset is for, or why it cannot be used."""
+        """The purpose of the preset, or the reason why it cannot be used, as a tooltip."""
         row = preset_folders.row_at(Path(asked.filepath))
         sentence = "" if row is None else row.fault or row.purpose
         return translation.tooltip(sentence.rstrip(".") or cls.__doc__)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Applies the preset if all of it is sound, else nothing."""
+        """Applies the preset if all of it is valid; otherwise changes nothing."""
         path = Path(bpy.path.abspath(self.filepath))
         try:
             content = preset_rules.sound(path)
@@ -179,7 +179,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     bl_label = "Presets"
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draws our presets, then the user's own, then those of shared folders, and what to do with one's own."""
+        """Draws the built-in presets, the user's own, those of shared folders, and the entries to add or remove one."""
         for name, preset in PRESETS.items():
             self.layout.operator("paradesc.preset", text=translation.label(preset.label), translate=False).name = name
         for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
@@ -254,7 +254,7 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
 
 
 def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
-    """Saves a scene's settings as a preset of the user's own; gives one sentence if that makes no sense, or ""."""
+    """Saves a scene's settings as a preset of the user; returns one sentence if that is impossible, else ""."""
     if not name:
         return NO_NAME
     folder = preset_folders.own_folder(create=True)
@@ -270,7 +270,7 @@ def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
 
 
 def remove(name: str) -> str:
-    """Removes a preset of the user's own, by name or the one that was chosen last; gives one sentence, or ""."""
+    """Removes a preset of the user by name, or the one chosen last; returns one sentence on failure, else ""."""
     rows = preset_folders.rows_in(preset_folders.own_folder()) if name else []
     paths = [row.path for row in rows if row.name == name] if name else chosen
     if not paths:
@@ -289,7 +289,7 @@ classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADE
 
 
 def register() -> None:
-    """Brings the user's presets of earlier versions into the form of today."""
+    """Converts the user's presets of earlier versions."""
     preset_folders.convert_own()
 
 

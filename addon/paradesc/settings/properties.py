@@ -7,8 +7,8 @@ from ..core.job import Settings
 from ..core.members import Member
 from . import leaving, preferences, translation
 
-# The defaults that a scene's settings were made with: files before version 1 have none stored, and those before version 2
-# know no radius that follows from the mesh.
+# The version of the defaults that a scene's settings were made with. Files before version 1 store none; those before
+# version 2 have no radius that follows from the mesh.
 VERSION = 2
 RADII = ("radius_percent", "radius_absolute", "radius_edges")
 PROPERTIES = {
@@ -23,13 +23,13 @@ PATHS = ("FILE_PATH", "DIR_PATH")
 
 
 def path_options() -> set[str]:
-    """The option that // stands for the .blend's folder, which Blender needs since 4.5."""
+    """The option for paths in which // stands for the .blend's folder, which Blender requires since 4.5."""
     known = "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
     return {"PATH_SUPPORTS_BLEND_RELATIVE"} if known else set()
 
 
 def property_of(member: Member, **more: object) -> object:
-    """Blender's property of a setting; more: words that are Blender's alone, such as update."""
+    """Blender's property for a setting; more: further options of the property, such as update."""
     words = {**member.words, **more}
     if member.kind == "choices":
         words["options"] = {"ENUM_FLAG"}
@@ -50,27 +50,27 @@ def make_settings() -> type:
 
 
 def stamp(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Notes beside the first setting that is stored which defaults the others have.
+    """Stores the version of the present defaults as soon as any setting is stored.
 
-    No save handler does so: Blender saves for recovery, and appends scenes, without calling any.
+    A save handler would not suffice: Blender calls none when it saves for recovery or appends scenes.
     """
     if group.version < VERSION:
         group.version = VERSION
 
 
-# The scene's radius is being set to what was fitted, which nobody has typed.
+# Not empty while a fitted radius is being set, which therefore does not count as typed.
 showing: list[bool] = []
 
 
 def typed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Keeps a radius that somebody has typed, from one mesh to the next."""
+    """Marks the radius as typed when somebody changes it, so that it stays for other meshes."""
     stamp(group, context)
     if not showing and group.radius_fit != "typed":
         group.radius_fit = "typed"
 
 
 def show_radius(group: bpy.types.PropertyGroup, settings: Settings) -> None:
-    """Shows the radius that a bake has fitted; the next one still fits its own."""
+    """Shows the radius that a bake has fitted; the next bake still fits its own."""
     options = settings.options
     if group.radius_fit == "typed" or options.radius_unit != group.radius_unit:
         return
@@ -83,23 +83,23 @@ def show_radius(group: bpy.types.PropertyGroup, settings: Settings) -> None:
 
 
 def job_settings(group: bpy.types.PropertyGroup) -> Settings:
-    """A scene's settings as the computation takes them, within the memory that the preferences allow."""
+    """A scene's settings for the computation, with the memory limit of the preferences."""
     return choices.settings_of(group, preferences.memory_limit())
 
 
-# register() makes the class of the settings, once the native library is in place.
+# register() creates the class of the settings, as that needs the native library.
 classes = ()
 
 
 def register() -> None:
-    """Gives every scene its settings."""
+    """Adds the settings to every scene."""
     settings = translation.in_our_context(make_settings())
     bpy.utils.register_class(settings)
     bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=settings)
 
 
 def unregister() -> None:
-    """Removes them."""
+    """Removes the settings."""
     del bpy.types.Scene.paradesc
     settings = bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")
     bpy.utils.unregister_class(settings)

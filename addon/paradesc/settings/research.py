@@ -1,14 +1,14 @@
-"""Settings that few people need: those that compare methods, reproduce the paper or serve pipelines.
+"""The settings that few people need, because they compare methods, reproduce the paper or serve pipelines.
 
-Panels draw them where the preference Research Settings is on. They keep their values either way, and the panel says so
-where one of them differs from its default: nothing acts unseen.
+Panels draw them if the preference Research Settings is on. They keep their values either way, and the panel says so if
+one of them differs from its default, so that none has an effect unseen.
 """
 
 import bpy
 
 from . import preferences
 
-# By the name of the scene's group of settings.
+# The research settings, by the property group of the scene.
 RESEARCH = {
     "paradesc": (
         *("map_sigma", "harris_k", "corner_threshold", "more_radii"),
@@ -21,7 +21,7 @@ RESEARCH = {
     "paradesc_animation": ("frame_source", "relative_to_rest"),
     "paradesc_live": ("samples", "buffer_size", "fast_seams", "full_render", "missing"),
 }
-# These count only where another one is on.
+# These settings have an effect only while another one is on.
 PARTS = {
     "image_format": "write_image",
     "image_path": "write_image",
@@ -31,18 +31,18 @@ PARTS = {
 
 
 def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
-    """Whether the panels leave out this setting of a scene."""
+    """Whether the panels hide this setting of a scene."""
     return name in RESEARCH.get(group.path_from_id(), ()) and not preferences.shows_research()
 
 
 def changed(scene: bpy.types.Scene) -> list[tuple[bpy.types.PropertyGroup, str]]:
-    """The research settings of a scene that have an effect because they are not at their defaults."""
+    """The research settings of a scene that have an effect, as they are not at their defaults."""
     every = [(getattr(scene, place), name) for place, names in RESEARCH.items() for name in names]
     return [(group, name) for group, name in every if acts(group, name)]
 
 
 def acts(group: bpy.types.PropertyGroup, name: str) -> bool:
-    """Whether a setting changes what is done without it."""
+    """Whether a setting has an effect: it is not at its default, and the setting that it depends on is on."""
     is_usual = getattr(group, name) == group.bl_rna.properties[name].default
     return not is_usual and (name not in PARTS or getattr(group, PARTS[name]))
 
@@ -56,11 +56,11 @@ class PARADESC_OT_show_research(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Needs the preferences of an add-on that is enabled."""
+        """Works only if the add-on is enabled and so has preferences."""
         return preferences.found() is not None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Switches it on, as somebody would in the preferences."""
+        """Turns the preference on, as the user would."""
         preferences.found().research_settings = True
         context.preferences.is_dirty = True
         return {"FINISHED"}
@@ -74,7 +74,7 @@ class PARADESC_OT_reset_research(bpy.types.Operator):
     bl_options = {"INTERNAL", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Resets those that differ, and tells what follows them."""
+        """Resets the settings that differ; their update callbacks run."""
         for group, name in changed(context.scene):
             setattr(group, name, group.bl_rna.properties[name].default)
             group.property_unset(name)

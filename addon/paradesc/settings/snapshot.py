@@ -1,4 +1,4 @@
-"""Keeps a scene's settings and colors as they are, to bring them back if what changes them comes to nothing."""
+"""Keeps a scene's settings and colors, to restore them if an operator that changes them fails."""
 
 import bpy
 
@@ -8,17 +8,17 @@ GROUPS = ("paradesc", "paradesc_looks")
 
 
 def identity(datablock: bpy.types.ID) -> object:
-    """Identifies a datablock in this session, even if it is renamed; before Blender 4.2 its name has to stay."""
+    """An identity of a datablock for this session that survives renaming; before Blender 4.2 it does not."""
     if hasattr(datablock, "session_uid"):
         return datablock.session_uid
     return (datablock.name, datablock.as_pointer())
 
 
 class Snapshot:
-    """The settings of a scene at one time: plain values, since another file may be open when they are asked for."""
+    """A scene's settings at one time, as plain values, because another file may be open when they are restored."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
-        """Takes them."""
+        """Copies the scene's settings."""
         self.scene_name, self.identity = scene.name, identity(scene)
         self.chosen = presets.shown_chosen()
         self.values = {
@@ -30,7 +30,7 @@ class Snapshot:
         }
 
     def restore(self) -> None:
-        """Brings them back, where they differ; what was at its default follows that again."""
+        """Restores the settings that differ; those that were at their defaults are unset again."""
         scene = bpy.data.scenes.get(self.scene_name)
         if scene is None or identity(scene) != self.identity:
             return

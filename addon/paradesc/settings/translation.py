@@ -1,7 +1,7 @@
-"""The language of the interface: the texts of translations/, which Blender looks up in a context that is ours alone.
+"""The language of the interface: the texts in translations/, which Blender looks up in a context of our own.
 
-Blender's own dictionary would win in its default context, and translates single words of ours there: in French one
-button of four. Blender itself looks up every label and tooltip that is handed to it as it stands in the code.
+In its default context Blender's own dictionary would win, and it contains single words of ours: in French it would
+translate one button of four. Blender looks up every label and tooltip by itself, as it stands in the code.
 """
 
 import json
@@ -15,17 +15,17 @@ import bpy
 ADDON = __package__.rpartition(".")[0]
 FOLDER = Path(__file__).resolve().parents[1] / "translations"
 CONTEXT = "Paradesc"
-# Blender looks tooltips and reports up in the default context, whatever the class says.
+# Blender looks up tooltips and reports in the default context, whatever the class says.
 CONTEXTS = (CONTEXT, bpy.app.translations.contexts.default)
-# The languages of each file, as Blender calls them: "de" stands for "de_DE" too, and Blender 4 has renamed zh_CN.
+# The locales of each file: "de" stands for "de_DE" too, and Blender 4 has renamed zh_CN.
 LANGUAGES = {"de": ("de",), "ja": ("ja",), "zh": ("zh_CN", "zh_HANS")}
-# A property of Blender 3.4 has no context, and a single word in its menu may be Blender's.
+# In Blender 3.4 properties have no context, so a single word in a menu may come from Blender's dictionary.
 HAS_CONTEXT = "translation_context" in bpy.props.BoolProperty.__doc__
 HOLE = re.compile(r"\{\d+\}")
 
 look_up = bpy.app.translations.pgettext_iface
 look_up_tooltip = bpy.app.translations.pgettext_tip
-# Blender before 4.1 keeps reports with tooltips.
+# Blender before 4.1 treats reports as tooltips.
 look_up_report = getattr(bpy.app.translations, "pgettext_rpt", look_up_tooltip)
 
 
@@ -35,7 +35,7 @@ def label(text: str) -> str:
 
 
 def said(sentence: str) -> str:
-    """A sentence that an operator reports, in the language of reports; format() fills its braces afterwards."""
+    """A sentence of an operator's report, in the language of reports; format() fills its braces afterwards."""
     return translated(sentence, look_up_report)
 
 
@@ -45,9 +45,9 @@ def tooltip(text: str) -> str:
 
 
 def filled(sentence: str, look: Callable[[str, str], str]) -> str:
-    """The translation of a sentence that has names and numbers in it already, with the same in their places.
+    """The translation of a sentence whose names and numbers are filled in already.
 
-    Places may hold sentences and labels, which are translated too; what stands in quotes is a name.
+    A filled-in part may be a sentence or label, which is translated too; a part in quotes is a name and stays.
     """
     template, parts = matched(sentence)
     shown = [
@@ -58,13 +58,13 @@ def filled(sentence: str, look: Callable[[str, str], str]) -> str:
 
 
 def translated(text: str, look: Callable[[str, str], str]) -> str:
-    """A text by one of Blender's dictionaries."""
+    """The translation of a text by one of Blender's dictionaries."""
     return look(text, CONTEXT) if matched(text) is None else filled(text, look)
 
 
 @lru_cache(maxsize=4096)
 def matched(sentence: str) -> tuple[str, tuple[str, ...]] | None:
-    """The text of the catalogs that a sentence is made of, and what stands in its places {0}, {1} …, if there is one."""
+    """The catalogs' text that a sentence was made from, and the parts in its places {0}, {1} …; None without one."""
     for template, pattern in templates():
         found = pattern.fullmatch(sentence)
         if found is not None and sentence != template:
@@ -74,14 +74,14 @@ def matched(sentence: str) -> tuple[str, tuple[str, ...]] | None:
 
 @cache
 def templates() -> list[tuple[str, re.Pattern[str]]]:
-    """The texts of the catalogs with numbered places, the most particular first, and what their sentences are like."""
+    """The catalogs' texts with numbered places, the most specific first, with patterns for sentences made from them."""
     known = {text for name in LANGUAGES for text in catalog(name) if HOLE.search(text)}
     patterns = {text: re.compile("(.*)".join(map(re.escape, HOLE.split(text))), re.DOTALL) for text in known}
     return sorted(patterns.items(), key=lambda row: (-len(HOLE.sub("", row[0])), row[0]))
 
 
 def catalog(name: str) -> dict[str, str]:
-    """The texts of one language by what the code says; none if the file is missing or broken, as in a bad copy."""
+    """The texts of one language, by the texts in the code; empty if the file is missing or broken."""
     try:
         return json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -89,7 +89,7 @@ def catalog(name: str) -> dict[str, str]:
 
 
 def in_our_context(cls: type) -> type:
-    """Lets Blender look up the label of a class, and the names of its properties and their choices, in our context."""
+    """Makes Blender look up a class's label, its properties and their choices in our context."""
     if issubclass(cls, (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu)):
         cls.bl_translation_context = CONTEXT
     for base in cls.__mro__ if HAS_CONTEXT else ():
@@ -103,16 +103,16 @@ classes = ()
 
 
 def register() -> None:
-    """Hands the catalogs to Blender."""
+    """Registers the catalogs with Blender."""
     texts = {
         language: {(context, text): translated for context in CONTEXTS for text, translated in catalog(name).items()}
         for name, languages in LANGUAGES.items()
         for language in languages
     }
-    unregister()  # what a start that failed may have left
+    unregister()  # a failed start may have left catalogs registered
     bpy.app.translations.register(ADDON, texts)
 
 
 def unregister() -> None:
-    """Takes them back."""
+    """Removes the catalogs."""
     bpy.app.translations.unregister(ADDON)
