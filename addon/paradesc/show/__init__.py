@@ -1,1 +1,1 @@
-"""Makes visible what a bake leaves on a mesh: colors, materials, channels, overlay."""
+"""Shows the results of a bake on a mesh: colors, materials, channels, overlay."""

@@ -1,4 +1,4 @@
-"""Brings node groups and materials from the add-on's .blend of assets into the file that is open."""
+"""Appends node groups and materials from the add-on's .blend of assets to the open file."""
 
 import bpy
 
@@ -8,17 +8,17 @@ from ..settings.asset_library import FILE
 
 
 def found_group(mark: str) -> bpy.types.NodeTree | None:
-    """Our group with this mark that was made earlier, if it is still there and local."""
+    """The local group with this mark, if there is one."""
     return next((one for one in bpy.data.node_groups if one.get(MARK) == mark and one.library is None), None)
 
 
 def shared_group(mark: str) -> bpy.types.NodeTree:
-    """The group of this name that is in the file already, as it is now; else that of the assets."""
+    """The group with this mark in the open file, as it is now; else it is appended from the assets."""
     return found_group(mark) or append("node_groups", mark)
 
 
 def append(kind: str, name: str) -> bpy.types.ID:
-    """Appends a group or a material of the assets; groups that it needs and that are in the file already are shared."""
+    """Appends a group or material of the assets. Groups that it uses are shared with those in the file already."""
     if not FILE.is_file():
         raise refuse(f"The add-on's file of materials is missing: {FILE}; install the add-on again.")
     groups, libraries = set(bpy.data.node_groups), set(bpy.data.libraries)

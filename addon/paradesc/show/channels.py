@@ -10,7 +10,7 @@ from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
 
-# The custom property of a mesh with the attributes and vertex groups that this file made and may write again.
+# The custom property of a mesh with the attributes and vertex groups that this module made and may overwrite.
 OWN = "paradesc_made"
 SUFFIX_CORNER = "_corner_color"
 EXPORT_PREFIX = "_"
@@ -20,20 +20,20 @@ EXPORT_PREFIX = "_"
 
 
 def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
-    """The names that this file made; kind is "attributes" or "groups"."""
+    """The names that this module made; kind is "attributes" or "groups"."""
     names = record.kept(mesh, OWN).get(kind)
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
 def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
-    """Notes on the mesh that this is ours; ownership keeps what we put into it."""
+    """Notes on the mesh that this name is ours; ownership keeps the fingerprint of its values."""
     kept = {each: own_names(mesh, each) for each in ("attributes", "groups")}
     kept[kind] = sorted({*kept[kind], name})
     mesh[OWN] = {each: names for each, names in kept.items() if names}
 
 
 def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
-    """Whether this file made the attribute, and nobody has painted over it since."""
+    """Whether this module made the attribute, and nobody has painted on it since."""
     if attribute.name not in own_names(mesh, "attributes") or attribute.data_type not in arrays.MEMBERS:
         return False
     values, faces = arrays.attribute_values(attribute), ownership.faces_of(mesh)
@@ -41,7 +41,7 @@ def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
 
 
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
-    """The attribute of that name, made anew if type or domain differ; refuses one that is not ours as we left it."""
+    """The attribute of this name, made again if type or domain differ. Raises if it is not ours and unchanged."""
     if not name:
         raise mesh_io.refuse("The attribute has no name; give it one.")
     attribute = mesh.attributes.get(name)
@@ -72,9 +72,9 @@ def float_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
-    """(n,) float32 in [0, 1]: a descriptor over the range that its colors span, any other attribute as it is.
+    """(n,) float32 in [0, 1]: a descriptor relative to the range of its colors, any other attribute unchanged.
 
-    A value that does not exist becomes neutral, or 0.
+    An undefined value becomes neutral, or 0.
     """
     if name not in float_names(mesh):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float a vertex.')
@@ -90,7 +90,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
-    """(n, k) values of the vertices, or copied to their face corners."""
+    """(n, k) values at vertices, copied to face corners if that is the domain."""
     return values if domain == "POINT" else values[arrays.read_corner_vertices(mesh)]
 
 
@@ -143,7 +143,7 @@ def vertex_group(target: bpy.types.Object, name: str) -> None:
 
 
 def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
-    """Whether this file made the vertex group, and nobody has painted its weights since."""
+    """Whether this module made the vertex group, and nobody has painted its weights since."""
     mesh = target.data
     if group.name not in own_names(mesh, "groups"):
         return False
@@ -156,7 +156,7 @@ def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool
 
 
 def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
-    """Writes the descriptor's values from 0 to 1 as the mask of sculpt mode, where 1 is protected."""
+    """Writes the descriptor's values from 0 to 1 as sculpt mode's mask, where 1 is protected."""
     weights = shares(target.data, name)
     if sculpt_masks.is_painted(target.data) and not replace:
         raise mesh_io.refuse(
@@ -186,12 +186,12 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
 
 
 class NeedsShown(recolor.NeedsBake):
-    """What operators on the descriptor that is shown have in common."""
+    """Base of operators that use the descriptor whose colors are shown."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Runs on the descriptor whose colors are active, else on the first."""
+        """Runs on the descriptor with the active colors, else on the first one."""
         name = recolor.shown_name(target.data) or recolor.baked_names(target.data)[0]
         self.report({"INFO"}, self.write(target, name))
 
@@ -204,7 +204,7 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Packs as the scene's settings say."""
+        """Packs the attributes that the scene's settings name."""
         group = context.scene.paradesc_looks
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
         pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
@@ -247,7 +247,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Asks before a mask is lost."""
+        """Asks before a painted mask is replaced."""
         if not self.replace and sculpt_masks.is_painted(targets.first(context).data):
             self.replace = True
             return context.window_manager.invoke_confirm(self, event)

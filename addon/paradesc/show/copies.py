@@ -1,4 +1,4 @@
-"""Makes copies of objects with their modifiers applied and all values on them, only on request."""
+"""Makes copies of objects with their modifiers applied and with all values, on request."""
 
 import bpy
 
@@ -17,7 +17,7 @@ class PARADESC_OT_make_result_object(recolor.NeedsBake, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only in object mode, in which the selection can change."""
+        """Works only in object mode, where the selection can change."""
         return context.mode == "OBJECT" and super().poll(context)
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:

@@ -1,4 +1,4 @@
-"""Adds Geometry Nodes that read a raw attribute, as a modifier of the active object and as examples to start from."""
+"""Adds Geometry Nodes that read an attribute, as a modifier of the active object and as examples to build on."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..scene.node_groups import MARK, add_modifier, input_of
 from . import recolor, tuned
 from .assets import append
 
-# How far up the range each kind begins.
+# The start of each kind's effect, as a fraction of the range.
 BEGINNINGS = {
     "swell": ("From Min", 0.0),
     "scatter": ("From Min", 0.25),
@@ -18,7 +18,7 @@ BEGINNINGS = {
 
 
 def build(kind: str, name: str, low: float, high: float, mask: str = UNDEFINED_MASK) -> bpy.types.NodeTree:
-    """Makes a group that reads the attribute and does one thing by it: "swell", "keep", "mark" or "scatter".
+    """Creates a group that reads the attribute and applies one effect: "swell", "keep", "mark" or "scatter".
 
     mask: the attribute that is 1 where there is no value.
     """
@@ -35,7 +35,7 @@ def build(kind: str, name: str, low: float, high: float, mask: str = UNDEFINED_M
 
 
 def shared(tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
-    """The group that an earlier click made just like this new one, if nobody has changed it since; else the new one."""
+    """An unchanged group of an earlier click that is equal to this new one, which is then removed; else the new one."""
     tuned.leave(tree)
     for other in bpy.data.node_groups:
         same = other.get(MARK) == tree[MARK] and other.get(tuned.PROPERTY) == tree[tuned.PROPERTY]

@@ -1,4 +1,4 @@
-"""Makes materials that show descriptors, on a slot of their own: the user's stay, and one click restores them."""
+"""Makes materials that show descriptors, in a slot of their own; one click restores the user's materials."""
 
 import bpy
 
@@ -10,7 +10,7 @@ from .assets import append, found_group
 from .passing import base_shader, own_nodes, passes, put, take_out
 from .slots import DESCRIPTOR, assign, take_back
 
-# The groups of the assets, by what they read; those in a file are named after the attributes as well.
+# The groups of the assets by the attributes they read. Groups in a file also have the attributes in their names.
 CAVITY_GROUP, OF_MEAN = "Paradesc Cavity", "Paradesc Cavity of mean_curvature"
 PASSED = {"Base Color": "Color"}
 
@@ -19,7 +19,7 @@ PASSED = {"Base Color": "Color"}
 
 
 def color_material(name: str, flat: bool) -> bpy.types.Material:
-    """Makes a material that shows the colors of a descriptor: lit, or exactly as they are."""
+    """Creates a material that shows the colors of a descriptor, either lit or exactly as they are."""
     material, nodes = new_material(f"Paradesc {name}" + (" flat" if flat else ""), name)
     tree = material.node_tree
     color = add_node(tree, "ShaderNodeAttribute", (-300, 0), attribute_name=f"{name}_color").outputs["Color"]
@@ -35,7 +35,7 @@ def color_material(name: str, flat: bool) -> bpy.types.Material:
 
 
 def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
-    """Makes a clay with dirt in its hollows and worn edges."""
+    """Creates a clay material with dirt in its hollows and worn edges."""
     group, settings = cavity_group(mesh)
     material, output = new_material("Paradesc cavity", "cavity")
     tree = material.node_tree
@@ -48,7 +48,7 @@ def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
 
 
 def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.types.Node]:
-    """Makes a material with only its output node."""
+    """Creates a material with only an output node."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:  # never since Blender 5
         material.use_nodes = True
@@ -59,7 +59,7 @@ def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.ty
 
 
 def add_principled(tree: bpy.types.NodeTree) -> bpy.types.Node:
-    """Adds a dull surface, whose highlights do not hide colors."""
+    """Adds a rough surface shader, so that highlights do not hide the colors."""
     shader = add_node(tree, "ShaderNodeBsdfPrincipled", (0, 0))
     shader.inputs["Roughness"].default_value = 0.75
     name = "Specular IOR Level" if "Specular IOR Level" in shader.inputs else "Specular"
@@ -78,7 +78,7 @@ def add_group(
 
 
 def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, float]]:
-    """The node group that turns what was baked on a mesh into masks and a color, and the inputs that this mesh needs.
+    """The node group that turns a mesh's values into masks and a color, and the group's inputs for this mesh.
 
     It reads cavity and convexity if both were baked, else mean curvature times the radius, else the one of the two that
     was baked; the other is then 0.
@@ -110,7 +110,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
 
 
 def cavity_asset(asset: str, title: str, attributes: dict[str, str]) -> bpy.types.NodeTree:
-    """Appends a group of the assets, and lets it read these attributes instead of those that it was made with."""
+    """Appends a group of the assets, and replaces the attributes that it reads by these."""
     group = append("node_groups", asset)
     group.name = group[MARK] = title
     for node in group.nodes:
@@ -120,7 +120,7 @@ def cavity_asset(asset: str, title: str, attributes: dict[str, str]) -> bpy.type
 
 
 def first_of(names: list[str], word: str) -> str:
-    """The first of the names that is this descriptor, at whatever radius, or ""."""
+    """The first of the names whose values are this descriptor, at any radius, or ""."""
     return next((name for name in names if mesh_io.registry_name(name) == word), "")
 
 
@@ -128,7 +128,7 @@ def first_of(names: list[str], word: str) -> str:
 
 
 def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
-    """Puts the cavity group between a material's base color and what it was before."""
+    """Inserts the cavity group in front of a material's base color."""
     shader = base_shader(material)
     if shader is None:
         raise mesh_io.refuse("The active material has no Principled BSDF in use; make the Paradesc material instead.")
@@ -140,7 +140,7 @@ def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
 
 
 def unplug(material: bpy.types.Material) -> None:
-    """Takes the cavity group out of a material again."""
+    """Removes the cavity group from a material."""
     for node in own_nodes(material.node_tree, CAVITY_GROUP):
         if passes(node, PASSED):
             take_out(node, PASSED)
@@ -204,7 +204,7 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
     whole_selection = True
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Removes what the other two made."""
+        """Removes the materials and groups that the other two operators added."""
         for sentence in take_back(target.data):
             self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:

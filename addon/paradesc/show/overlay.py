@@ -14,7 +14,7 @@ _state: dict[str, object] = {}
 
 
 def shown_descriptor(context: bpy.types.Context) -> tuple[bpy.types.Object, str] | None:
-    """The panel's object and the descriptor whose colors it shows in this viewport; None if it shows none."""
+    """The panel's object and the descriptor that it shows in this viewport, or None."""
     target, space = targets.first(context), context.space_data
     if target is None or not target.visible_get(viewport=space):
         return None
@@ -33,14 +33,14 @@ def name_in(shading: str, color_type: str, target: bpy.types.Object) -> str:
 
 
 def lines_of(mesh: bpy.types.Mesh, name: str) -> tuple[str, color_maps.ValueRange]:
-    """The legend's title, and the range with its map."""
+    """The title of the legend, and the range with its map."""
     drawn = record.read(mesh).get("drawn", {}).get(name, {})
     title = translation.label(legend.label(name)) + legend.in_unit(drawn.get("unit", ""))
     return title, recolor.stored_range(mesh, name)
 
 
 def draw() -> None:
-    """Called by Blender for every viewport when it is drawn."""
+    """Blender calls this to draw each viewport."""
     context = bpy.context
     group = getattr(context.scene, "paradesc_looks", None)
     if group is None or not group.show_legend or not context.space_data.overlay.show_overlays:
@@ -66,13 +66,13 @@ def draw() -> None:
 
 
 def below(area: bpy.types.Area) -> float:
-    """The height in pixels that the panel of the last operation takes at the bottom of the viewport."""
+    """The height in pixels of the panel of the last operation at the bottom of the viewport."""
     heights = [region.height for region in area.regions if region.type == "HUD" and region.height > 1]
     return float(max(heights, default=0))
 
 
 def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, float]:
-    """The span in pixels of the region where no other region lies over the viewport."""
+    """The horizontal span in pixels that toolbar and sidebar leave free."""
     left, right = 0.0, float(window.width)
     for region in area.regions:
         if region.type == "TOOLS" and region.width > 1 and region.x <= window.x:
@@ -125,13 +125,13 @@ classes = ()
 
 
 def register() -> None:
-    """Makes Blender call draw(), unless there is no window to draw in."""
+    """Makes Blender call draw(), except in background mode."""
     if not bpy.app.background:
         _state["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
 
 
 def unregister() -> None:
-    """Ends these calls."""
+    """Stops these calls."""
     handle = _state.pop("handle", None)
     if handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")

@@ -1,4 +1,4 @@
-"""Puts a node between inputs of a material's shader and what they had before, and takes it out again."""
+"""Inserts a node between the inputs of a material's shader and their sources, and removes it again."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ import bpy
 
 from ..scene.node_groups import MARK
 
-# The values that go through a node: names of the shader's inputs, and of the node's inputs, with those of its outputs.
+# The values that pass through a node: its output by the name of the input, which is that of the shader's input as well.
 Passed = dict[str, str]
 
 
@@ -18,12 +18,12 @@ def base_shader(material: bpy.types.Material | None) -> bpy.types.Node | None:
 
 
 def is_shader(node: bpy.types.Node) -> bool:
-    """Whether it has the colors of a surface as its inputs."""
+    """Whether a node is a shader with the colors of a surface as inputs."""
     return node.type == "BSDF_PRINCIPLED"
 
 
 def upstream(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
-    """The node and all that it takes something from, the nearest first."""
+    """The node and all nodes that it depends on, the nearest first."""
     found = [node]
     for one in found:
         yield one
@@ -32,25 +32,25 @@ def upstream(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
 
 
 def own_nodes(tree: bpy.types.NodeTree | None, mark: str) -> list[bpy.types.Node]:
-    """The nodes of our groups whose mark begins so, connected or not."""
+    """The nodes of our groups whose mark begins with this, whether linked or not."""
     groups = [(node, getattr(node, "node_tree", None)) for node in (tree.nodes if tree is not None else ())]
     return [node for node, group in groups if group is not None and str(group.get(MARK, "")).startswith(mark)]
 
 
 def passes(node: bpy.types.Node, passed: Passed) -> bool:
-    """Whether the inputs that it stands before take something of it, be it by way of another node of ours."""
+    """Whether the shader inputs that the node was inserted for depend on it, directly or through nodes of ours."""
     return any(
         link.to_socket.name == name for name, output in there(node, passed) for link in node.outputs[output].links
     )
 
 
 def there(node: bpy.types.Node, passed: Passed) -> list[tuple[str, str]]:
-    """The values that a node still lets through; somebody may have taken sockets from its group."""
+    """The values that a node can still pass on; somebody may have removed sockets from its group."""
     return [(name, output) for name, output in passed.items() if name in node.inputs and output in node.outputs]
 
 
 def put(shader: bpy.types.Node, node: bpy.types.Node, passed: Passed) -> None:
-    """Lets what the shader's inputs have go through the node; those that come from it already stay."""
+    """Inserts the node before the shader's inputs, except those that it feeds already."""
     for name, output in there(node, passed):
         socket = shader.inputs[name]
         if not (socket.links and socket.links[0].from_node == node):
@@ -59,7 +59,7 @@ def put(shader: bpy.types.Node, node: bpy.types.Node, passed: Passed) -> None:
 
 
 def take_out(node: bpy.types.Node, passed: Passed) -> None:
-    """Gives whatever takes something through the node what it had before; the node stays, without these links."""
+    """Reconnects the inputs that the node feeds to its sources. The node stays, without these links."""
     for name, output in there(node, passed):
         for link in list(node.outputs[output].links):
             socket = link.to_socket
@@ -68,7 +68,7 @@ def take_out(node: bpy.types.Node, passed: Passed) -> None:
 
 
 def bring(source: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
-    """Gives a socket the value and the link that another has; Blender 3.4 does not count muted ones as linked."""
+    """Copies the value and the link of one socket to another. Blender 3.4 does not count muted links as links."""
     links = source.id_data.links
     socket.default_value = source.default_value
     for link in list(socket.links):

@@ -1,4 +1,4 @@
-"""Shows what a bake left on a mesh in other colors, from the stored values, without computing anything again."""
+"""Changes the colors of a bake on a mesh by the stored values, without computing anything again."""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -14,12 +14,12 @@ from ..scene import arrays, carrying, image_preview, mesh_io, modes, ownership, 
 from ..settings import looks, translation
 
 Item = tuple[str, str, str]
-# Other colors do not change these members of what a record says of values.
+# Members of the record that other colors do not change.
 KEPT = ("radius", "unit", "automatic")
 
 
 def baked_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The descriptors, by the names of their attributes, whose values and colors of a bake are still on this mesh."""
+    """The names of attributes with a descriptor's values and colors from a bake that still exist on this mesh."""
     if bridge.missing_sentence():
         return []
     ours, known = record.attributes_of(mesh), {row.name for row in bridge.descriptors()}
@@ -28,7 +28,7 @@ def baked_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def is_usable(mesh: bpy.types.Mesh, name: str) -> bool:
-    """Whether an attribute has the type and domain that a bake gave it, which Blender can convert."""
+    """Whether an attribute still has a type and domain that Blender can convert to those of a bake."""
     return arrays.kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)
 
 
@@ -38,19 +38,19 @@ def is_direction(name: str) -> bool:
 
 
 def shown_name(mesh: bpy.types.Mesh) -> str:
-    """The descriptor whose colors are the mesh's active ones, or ""."""
+    """The descriptor whose colors are active on the mesh, or ""."""
     active = mesh.color_attributes.active_color
     name = "" if active is None else active.name.removesuffix("_color")
     return name if active is not None and name != active.name and name in baked_names(mesh) else ""
 
 
 def shown_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The same as a list of one, or of none."""
+    """The descriptor whose colors are active on the mesh, as a list that may be empty."""
     return [name] if (name := shown_name(mesh)) else []
 
 
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
-    """The range and map in which a descriptor's colors on this mesh were made."""
+    """The range and the map with which a descriptor's colors on this mesh were made."""
     stored = record.read(mesh)
     if name not in stored.get("ranges", {}):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
@@ -72,7 +72,7 @@ def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_maps.ValueRange:
-    """Makes a descriptor's colors again by the look; gives their range. Not in edit mode."""
+    """Makes a descriptor's colors again with the look; returns their range. Not in edit mode."""
     colors = f"{name}_color"
     if colors not in mesh.attributes:
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{colors}" any more; bake them again.')
@@ -102,13 +102,13 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
 
 
 def whole_mesh(target: bpy.types.Object, name: str) -> bpy.types.Mesh:
-    """The mesh with all of an object's values: the one that carries them to what its modifiers make, or its own."""
+    """The mesh with all values of an object: its carrier, if modifiers change vertices, or its own mesh."""
     carrier = carrying.carrier_of(target)
     return target.data if carrier is None or f"{name}_color" not in record.attributes_of(carrier) else carrier
 
 
 def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -> None:
-    """Makes a descriptor's colors again on the object's own mesh and on one that carries them, which has the range."""
+    """Makes a descriptor's colors again on the object's own mesh and on its carrier, which determines the range."""
     whole = whole_mesh(target, name)
     shown = recolor(whole, name, look)
     if whole != target.data:
@@ -118,7 +118,7 @@ def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why there is nothing to show of the chosen objects, or ""."""
+    """One sentence about why the chosen objects have nothing to show, or ""."""
     target = targets.first(context)
     if target is None:
         return "Select a mesh object first"
@@ -128,7 +128,7 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The chosen and the other selected meshes with results; the first one if several share a mesh."""
+    """The chosen and other selected objects with results; only the first of several that share a mesh."""
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for target in [*targets.chosen(context), *context.selected_objects]:
         if target.type == "MESH" and baked_names(target.data):
@@ -137,13 +137,13 @@ def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 class NeedsBake:
-    """What operators on baked meshes share: they are grey without such a mesh, and failures are one sentence."""
+    """Base of operators on baked meshes. They are grey without such a mesh, and report failures as one sentence."""
 
-    whole_selection = False  # or the active object alone
+    whole_selection = False  # otherwise only the active object
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Says why it cannot run where it cannot."""
+        """Whether the operator can run; the button's tooltip says why not."""
         sentence = obstacle(context)
         if sentence:
             cls.poll_message_set(translation.tooltip(sentence))
@@ -203,7 +203,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
 
 
 def on_look(scene: bpy.types.Scene, setting: str) -> None:
-    """Shows the selected meshes in new colors at once; in edit mode, where values are hidden, they wait for Recolor.
+    """Recolors the selected meshes as soon as a color setting changes. In edit mode values are hidden, so it waits.
 
     All masks get one scale or lose it, since those that are shown later would have another one.
     """
@@ -228,12 +228,12 @@ def shared_look(scene: bpy.types.Scene, shown: list[tuple[bpy.types.Object, str]
 
 
 def is_still(item: bpy.types.Object) -> bool:
-    """Whether nobody else writes the colors of its mesh now: live values follow by themselves."""
+    """Whether the colors of its mesh may be recolored now: not in edit mode, and live values do so themselves."""
     return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
-    """The values of several meshes by descriptor, with the radius of one of them."""
+    """The values of several meshes by descriptor, with the radius on the first of them."""
     found: dict[str, tuple[bridge.Descriptor, float, list[np.ndarray]]] = {}
     for mesh, name in shown:
         if not is_direction(name):
@@ -243,21 +243,21 @@ def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descr
 
 
 def register() -> None:
-    """Follows the colors of scenes."""
+    """Makes color settings recolor the selected meshes."""
     looks.listen(on_look)
 
 
 def unregister() -> None:
-    """Does so no more."""
+    """Ends the recoloring by color settings."""
     looks.ignore(on_look)
 
 
-# Blender needs the strings of such items to stay alive.
+# Blender requires that Python keeps the strings of dynamic enum items alive.
 _items: list[Item] = []
 
 
 def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
-    """The baked descriptors of the mesh that the panel is about."""
+    """The baked descriptors of the panel's mesh, as enum items."""
     target = targets.first(context) if context is not None else None
     names = baked_names(target.data) if target is not None else []
     _items[:] = [(name, legend.label(name), "") for name in names]
@@ -275,7 +275,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
     name: bpy.props.EnumProperty(name="Descriptor", description="Whose colors to show", items=name_items)
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Makes its colors the active ones on each mesh for which it was baked."""
+        """Makes the descriptor's colors active on each mesh for which it was baked."""
         if self.name in baked_names(target.data):
             mesh_io.show(target.data, self.name)
             image_preview.hide(target)
@@ -293,7 +293,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
         return context.area is not None and context.area.type == "VIEW_3D"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Changes the shading of this viewport alone."""
+        """Changes only the shading of this viewport."""
         shading = context.space_data.shading
         shading.type = "SOLID"
         image_preview.hide()
@@ -309,7 +309,7 @@ class PARADESC_OT_restore_shading(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only where it is known how they were."""
+        """Works only if the former shading is known."""
         return viewports.can_restore(context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -1,4 +1,4 @@
-"""Gives faces a slot of ours and takes it back: what the user has assigned, linked or tuned meanwhile stays."""
+"""Gives faces a material slot of ours, and restores theirs. Slots that the user has changed meanwhile stay."""
 
 import bpy
 import numpy as np
@@ -6,29 +6,29 @@ import numpy as np
 from ..scene import arrays
 from . import tuned
 
-# The face attribute that remembers which slot each face had before.
+# The face attribute with the former slot of each face.
 FORMER_SLOTS = ".hide_paradesc_slots"
-# The custom property of a mesh with the names of the materials that its slots had then.
+# The custom property of a mesh with the names of the materials in its former slots.
 FORMER_NAMES = "paradesc_slots"
-# The custom property of our materials that names the descriptor they show.
+# The custom property of our materials with the descriptor that they show.
 DESCRIPTOR = "paradesc_descriptor"
 
 
 def own_slots(mesh: bpy.types.Mesh) -> list[int]:
-    """The slots that hold our materials."""
+    """The indices of slots with our materials."""
     return [index for index, item in enumerate(mesh.materials) if item is not None and DESCRIPTOR in item]
 
 
 def shown_descriptor(target: bpy.types.Object) -> str:
-    """The descriptor that an object's faces show by one of our materials, or ""."""
+    """The descriptor that an object's faces show with one of our materials, or ""."""
     found = own_slots(target.data)
     return target.data.materials[found[0]][DESCRIPTOR] if found else ""
 
 
 def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> list[str]:
-    """Gives all faces a slot with this material and remembers which slots they had. Not in edit mode.
+    """Gives all faces a slot with this material, and remembers their former slots. Not in edit mode.
 
-    Gives a sentence about a material of ours that was there before and stays, because it was changed.
+    Returns a note about a former material of ours that was kept because somebody had changed it.
     """
     found, notes = own_slots(mesh), []
     keep_slots(mesh, found)
@@ -45,7 +45,7 @@ def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> list[str]:
 
 
 def keep_slots(mesh: bpy.types.Mesh, ours: list[int]) -> None:
-    """Remembers the faces' slots; of faces on ours, those that they had before."""
+    """Stores the faces' slots; for faces with our slots, those that they had before."""
     slots = former_slots(mesh, ours)
     if FORMER_SLOTS in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[FORMER_SLOTS])
@@ -55,9 +55,9 @@ def keep_slots(mesh: bpy.types.Mesh, ours: list[int]) -> None:
 
 
 def former_slots(mesh: bpy.types.Mesh, ours: list[int]) -> np.ndarray:
-    """(face_count,) int32 slots that faces have, or had before they got ours; those given to them since stay.
+    """(face_count,) int32 slots of faces, or the former ones of faces on our slots. Slots assigned since then stay.
 
-    Slots that were moved since are found by the names of their materials.
+    Slots that were moved since then are found by the names of their materials.
     """
     slots = arrays.read_array(mesh.polygons, "material_index", np.int32)
     attribute, before, now = mesh.attributes.get(FORMER_SLOTS), list(mesh.get(FORMER_NAMES, [])), slot_names(mesh)
@@ -77,9 +77,9 @@ def slot_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def take_back(mesh: bpy.types.Mesh) -> list[str]:
-    """Gives the faces on our slots their former ones again, and removes ours. Not in edit mode.
+    """Gives the faces on our slots their former slots, and removes ours. Not in edit mode.
 
-    Gives sentences as assign() does.
+    Returns notes as assign() does.
     """
     ours = own_slots(mesh)
     mesh.polygons.foreach_set("material_index", former_slots(mesh, ours))
@@ -97,11 +97,11 @@ def take_back(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def remove_slot(mesh: bpy.types.Mesh, slot: int) -> None:
-    """Removes a slot; objects keep the materials that they themselves have in the slots behind it."""
+    """Removes a slot. Objects keep their own materials in the slots after it."""
     sharing = [item for item in bpy.data.objects if item.data == mesh and item.library is None]
     kept = [[(one.link, one.material) for one in item.material_slots] for item in sharing]
     actives = [item.active_material_index for item in sharing]
-    mesh.materials.pop(index=slot)  # objects keep a slot, though an empty one, when it was the last
+    mesh.materials.pop(index=slot)  # if it was the last, objects keep an empty slot
     for item, rows, active in zip(sharing, kept, actives, strict=True):
         for one, (link, material) in zip(item.material_slots, rows[:slot] + rows[slot + 1 :], strict=False):
             one.link = link
@@ -111,7 +111,7 @@ def remove_slot(mesh: bpy.types.Mesh, slot: int) -> None:
 
 
 def discard(material: bpy.types.Material | None) -> list[str]:
-    """Removes one of our materials that nothing uses any more; one that was changed stays, and a sentence says so."""
+    """Removes an unused material of ours; one that somebody has changed is kept, and a note says so."""
     if material is None or material.users or DESCRIPTOR not in material:
         return []
     if tuned.is_as_left(material):

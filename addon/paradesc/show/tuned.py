@@ -1,29 +1,29 @@
-"""Tells whether a material or node group is as we left it, by a fingerprint in a custom property: else it is tuned."""
+"""Detects changes of a material or node group since we made it, by a fingerprint in a custom property."""
 
 import hashlib
 
 import bpy
 
 PROPERTY = "paradesc_left"
-# The members that we set on nodes that we make. Other kinds tell by being there; the rest is how they are laid out.
+# The members of nodes that we set. The others are either fixed by the node's type or concern its layout.
 OF_NODE = ("name", "label", "mute", "attribute_name", "operation", "data_type", "domain", "blend_type", "clamp", "mode")
 OF_NODE += ("use_clamp", "clamp_factor", "clamp_result", "interpolation_type", "distribution", "subsurface_method")
-# The members of a material that its panel sets beside its nodes; others change as Blender goes on.
+# The members of a material in its panel, besides its nodes. Blender itself changes some of the others.
 OF_MATERIAL = ("name", "diffuse_color", "metallic", "roughness", "blend_method", "use_backface_culling", "pass_index")
 
 
 def leave(block: bpy.types.Material | bpy.types.NodeTree) -> None:
-    """Keeps the fingerprint of what has just been made."""
+    """Stores the fingerprint of a material or node group that was just made."""
     block[PROPERTY] = fingerprint(block)
 
 
 def is_as_left(block: bpy.types.Material | bpy.types.NodeTree) -> bool:
-    """Whether nobody has renamed or changed it since."""
+    """Whether a material or node group has neither been renamed nor changed since it was made."""
     return block.get(PROPERTY) == fingerprint(block)
 
 
 def fingerprint(block: bpy.types.Material | bpy.types.NodeTree) -> str:
-    """A name for what a material or node group does; a group's own name, which gets numbers, is left out."""
+    """A fingerprint of a material or node group. It leaves out a group's name, to which Blender may append numbers."""
     if isinstance(block, bpy.types.NodeTree):
         content = contents(block)
     else:
@@ -33,7 +33,7 @@ def fingerprint(block: bpy.types.Material | bpy.types.NodeTree) -> str:
 
 
 def contents(tree: bpy.types.NodeTree) -> list[object]:
-    """The nodes with their settings, the links, and the sockets of a group."""
+    """The nodes with their settings, the links, and the sockets of a node tree."""
     nodes = [[members(node), [value_of(socket) for socket in node.inputs], ramp(node)] for node in tree.nodes]
     links = [
         (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.identifier)
@@ -47,14 +47,14 @@ def contents(tree: bpy.types.NodeTree) -> list[object]:
 
 
 def members(node: bpy.types.Node) -> list[object]:
-    """What a node is set to. They are named, because Blender 3.4 may crash after its lists of members were read."""
+    """The settings of a node. They are named, because Blender 3.4 may crash after its lists of members were read."""
     group = getattr(node, "node_tree", None)
     own = [(name, getattr(node, name)) for name in OF_NODE if hasattr(node, name)]
     return [node.bl_idname, own, None if group is None else group.name]
 
 
 def value_of(socket: bpy.types.NodeSocket) -> object:
-    """The value of a socket to which nothing is linked; None for those of geometry and shaders."""
+    """The default value of a socket; None for those of geometry and shaders."""
     return plain(getattr(socket, "default_value", None))
 
 
@@ -65,7 +65,7 @@ def ramp(node: bpy.types.Node) -> list[tuple[float, tuple[float, ...]]]:
 
 
 def plain(value: object) -> object:
-    """The value as something whose representation is the same from session to session."""
+    """The value in a form whose representation is the same in every session."""
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     return value.name if isinstance(value, bpy.types.ID) else tuple(value)

@@ -18,20 +18,20 @@ from .passing import base_shader, own_nodes, passes, put, take_out, upstream
 
 GROUP = "Paradesc Wear"
 PASSED = {"Base Color": "Color", "Roughness": "Roughness", "Metallic": "Metallic"}
-# Inputs of the group that masks are linked to, and the descriptors that these are.
+# The group's inputs for masks, and their descriptors.
 MASKS = {"Cavity": "cavity", "Edges": "convexity"}
-# The group's inputs that come from the material and the object; all others make the look.
+# The group's inputs that depend on the material and the object. All others define the look.
 GIVEN = {*PASSED, *MASKS, "Proportions"}
 AS_IS = "AS_IS"
-# The materials of the assets, by the look that they have.
+# The materials in the assets, by look.
 LOOKS = {"PAINTED_METAL": "Painted Metal", "OLD_STONE": "Old Stone", "DUSTY_PLASTIC": "Dusty Plastic"}
-# The diagonal of the objects that lengths in those materials suit.
+# The diagonal of objects for which the lengths in those materials were chosen.
 DIAGONAL = 2 * 3**0.5
-# The custom property of nodes of the group that keeps what we have set the inputs to.
+# The custom property of the group's nodes with the values to which we set their inputs.
 LEFT = tuned.PROPERTY
-# The custom property of a mesh that had no slot before it got one for a look.
+# The custom property of a mesh that had no material slot before it got one for a look.
 OWN_SLOT = "paradesc_wear_slot"
-# The custom property of a material that showed no nodes before, with the names of those that it has all the same.
+# The custom property of a material that did not use nodes before, with the names of the nodes that it had all the same.
 FORMER_NODES = "paradesc_nodes"
 
 Values = dict[str, float | list[float]]
@@ -41,13 +41,13 @@ Values = dict[str, float | list[float]]
 
 
 def values_of(node: bpy.types.Node) -> Values:
-    """The inputs of a node of the group that make the look."""
+    """The inputs of a node of the group that define the look."""
     found = {socket.name: tuned.plain(socket.default_value) for socket in node.inputs if socket.name not in GIVEN}
     return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
 def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
-    """The values that a look sets: the defaults of the group, or what the material of the assets has."""
+    """The input values of a look: the group's defaults, or those in the material of the assets."""
     if look == AS_IS:
         fresh = add_node(tree, "ShaderNodeGroup", (0, 0), node_tree=shared_group(GROUP))
         found = values_of(fresh)
@@ -60,7 +60,7 @@ def look_values(tree: bpy.types.NodeTree, look: str) -> Values:
 
 
 def left_values(node: bpy.types.Node) -> Values:
-    """The values that we have set the inputs to; empty where it was somebody else."""
+    """The values to which we set the inputs; empty if somebody else added the node."""
     return record.kept(node, LEFT)
 
 
@@ -71,7 +71,7 @@ def tuned_inputs(node: bpy.types.Node) -> list[str]:
 
 
 def dress(node: bpy.types.Node, values: Values) -> None:
-    """Sets the inputs that nobody has tuned, and keeps in mind what they were set to."""
+    """Sets the inputs that nobody has tuned, and remembers their values."""
     kept = tuned_inputs(node)
     for name, value in values.items():
         if name in node.inputs and name not in kept:
@@ -84,7 +84,7 @@ def dress(node: bpy.types.Node, values: Values) -> None:
 
 
 def fault(target: bpy.types.Object) -> str:
-    """One sentence about why the object's active material takes no wear, or ""."""
+    """One sentence about why the object's active material cannot get wear, or ""."""
     material = target.active_material
     if material is None:
         return ""
@@ -98,27 +98,27 @@ def fault(target: bpy.types.Object) -> str:
 
 
 def has_nodes(material: bpy.types.Material) -> bool:
-    """Whether the material shows what its nodes make; since Blender 5 every one does."""
+    """Whether the material uses nodes; since Blender 5 every material does."""
     return material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
-    """Whether masks of an object show as images alone; a material that other meshes share has them at vertices."""
+    """Whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
     material = target.active_material
     sharing = [item.data for item in bpy.data.objects if material is not None and material in used(item)]
     return large_faces.are_too_large(target, source) and all(mesh == target.data for mesh in sharing)
 
 
 def used(item: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """The materials of an object."""
+    """The materials in the slots of an object."""
     return [slot.material for slot in item.material_slots]
 
 
 def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> list[str]:
-    """Gives the active material wear, or an object without material one of the looks; gives sentences.
+    """Adds wear to the active material, or gives an object without material one of the looks; returns notes.
 
-    look: one of LOOKS or AS_IS; "" leaves the look that the wear has, and is AS_IS where there is none.
-    of_images: images of the masks will be linked to it.
+    look: one of LOOKS or AS_IS; "" keeps the look of existing wear, and means AS_IS for new wear. of_images: whether
+    images of the masks will be linked to it.
     """
     sentence = fault(target)
     if sentence:
@@ -141,7 +141,7 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
 
 
 def give_nodes(material: bpy.types.Material) -> None:
-    """Lets a material show nodes: those that somebody has switched off, else new ones, as its panel is set."""
+    """Makes a material use nodes: those that were switched off, else new ones with the settings of its panel."""
     is_ours = material.node_tree is None or OWN in material.node_tree
     material.use_nodes = True
     if is_ours:
@@ -154,7 +154,7 @@ def give_nodes(material: bpy.types.Material) -> None:
 
 
 def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
-    """The node of the group in a material, and whether it had to be made."""
+    """The group's node in a material, and whether it was just added."""
     found = own_nodes(material.node_tree, GROUP)
     if found:
         return next((node for node in found if passes(node, PASSED)), found[0]), False
@@ -163,14 +163,14 @@ def wear_node(material: bpy.types.Material) -> tuple[bpy.types.Node, bool]:
 
 
 def free_place(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> tuple[float, float]:
-    """A place for a node left of a shader, below what stands there; no node of the user's moves."""
+    """A free place for a node to the left of a shader; the user's nodes are not moved."""
     left = shader.location.x - 300
     beside = [node.location for node in tree.nodes if -400 < node.location.x - left < 240]
     return left, min([shader.location.y, *(place.y - 360 for place in beside)])
 
 
 def connect(material: bpy.types.Material, node: bpy.types.Node, masks: dict[str, str], mesh: bpy.types.Mesh) -> None:
-    """Links the node to the shader, and masks at vertices to the node where nothing is linked to it yet."""
+    """Links the node to the shader, and vertex masks to those of its inputs that have no link."""
     shader = base_shader(material)
     if not passes(node, PASSED):
         put(shader, node, PASSED)
@@ -183,7 +183,7 @@ def connect(material: bpy.types.Material, node: bpy.types.Node, masks: dict[str,
 def mask_source(
     tree: bpy.types.NodeTree, mesh: bpy.types.Mesh, descriptor: str, place: tuple[float, float]
 ) -> bpy.types.NodeSocket:
-    """A node that gives a mask between 0 and 1: the grey that a bake left as a color attribute."""
+    """The output of a node that gives a mask between 0 and 1, from the grey color attribute of a bake."""
     name = f"{record.attribute_of(mesh, descriptor)}_color"
     node = add_node(tree, "ShaderNodeAttribute", place, attribute_name=name, label=name)
     node[OF_VERTICES] = descriptor
@@ -191,7 +191,7 @@ def mask_source(
 
 
 def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Object) -> None:
-    """Lets noise and bumps suit the size of an object."""
+    """Adapts noise and bumps to the size of an object."""
     corners = [Vector(corner) for corner in target.bound_box]
     sides = [max(values) - min(values) for values in zip(*corners, strict=True)]
     diagonal = Vector(sides).length
@@ -204,7 +204,7 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
-    """Gives an object without material one of the looks; all that have masks at vertices share it."""
+    """Gives an object without material one of the looks. Objects with vertex masks share one material."""
     local = [item for item in bpy.data.materials if item.library is None]
     ours = [item for item in local if item.get(MARK) == name and tuned.is_as_left(item)]
     material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
@@ -213,7 +213,7 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
         material[MARK] = name
         fit(material, own_nodes(material.node_tree, GROUP)[0], target)
         tuned.leave(material)
-    target.data.pop(OWN_SLOT, None)  # of a slot that somebody has taken away since
+    target.data.pop(OWN_SLOT, None)  # left from a slot that somebody has removed
     if not target.material_slots:
         target.data[OWN_SLOT] = True
     target.active_material = material
@@ -221,13 +221,13 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
 
 
 def is_look(material: bpy.types.Material) -> bool:
-    """Whether an object without material was given it."""
+    """Whether a material is a look that was given to an object without material."""
     return material.get(MARK) in LOOKS.values()
 
 
 @contextmanager
 def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Looks of objects that are as we left them count so afterwards, too: what is added meanwhile is ours."""
+    """Makes unchanged looks of these objects still count as unchanged after our own additions in the body."""
     found = {target.active_material for target in targets if target.active_material is not None}
     ours = [material for material in found if is_look(material) and tuned.is_as_left(material)]
     yield
@@ -244,13 +244,13 @@ def wears(target: bpy.types.Object) -> bool:
 
 
 def has_wear(material: bpy.types.Material | None) -> bool:
-    """Whether the colors of a material go through the group."""
+    """Whether the colors of a material pass through the group."""
     nodes = own_nodes(material.node_tree, GROUP) if material is not None else []
     return any(passes(node, PASSED) for node in nodes)
 
 
 def remove(target: bpy.types.Object) -> list[str]:
-    """Takes wear out of all materials of an object, and the looks that it was given; gives sentences."""
+    """Removes wear from all materials of an object, and the looks that it was given; returns notes."""
     notes = []
     for index, slot in reversed(list(enumerate(target.material_slots))):
         material = slot.material
@@ -266,7 +266,7 @@ def remove(target: bpy.types.Object) -> list[str]:
 
 
 def take_away(target: bpy.types.Object, index: int) -> list[str]:
-    """Takes a look that an object was given, material and all; one that was tuned stays."""
+    """Removes a look that an object was given; a material that somebody has tuned is kept."""
     material = target.material_slots[index].material
     if not tuned.is_as_left(material):
         return [f'The material "{material.name}" was changed since it was made, and stays.']
@@ -280,7 +280,7 @@ def take_away(target: bpy.types.Object, index: int) -> list[str]:
 
 
 def take_wear_out(material: bpy.types.Material) -> list[str]:
-    """Gives a material back what it had; what was tuned stays in it, disconnected, until wear is added again."""
+    """Removes wear from a material. Tuned wear stays in it, disconnected, until wear is added again."""
     tree = material.node_tree
     (node,) = [one for one in own_nodes(tree, GROUP) if passes(one, PASSED)][:1]
     others = [socket.name for socket in node.outputs if socket.is_linked and socket.name not in PASSED.values()]
@@ -298,12 +298,12 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
     for frame in [one for one in tree.nodes if one.type == "FRAME" and OWN in one and one not in parents]:
         tree.nodes.remove(frame)
     if FORMER_NODES in material:
-        if set(tree.nodes.keys()) <= set(material[FORMER_NODES]):  # else somebody has gone on with them
+        if set(tree.nodes.keys()) <= set(material[FORMER_NODES]):  # otherwise the user has added nodes
             material.use_nodes = False
         del material[FORMER_NODES]
     return []
 
 
 def is_source(node: bpy.types.Node) -> bool:
-    """Whether a node of ours gives a mask, and is as we left it."""
+    """Whether a node is one of ours that gives a mask, and unchanged."""
     return OF_VERTICES in node or (OWN in node and (node.type != "TEX_IMAGE" or is_as_left(node)))

@@ -1,4 +1,4 @@
-"""The operators of wear: one bakes the masks that it needs and gives materials wear, one takes it out again."""
+"""The operators of wear: one bakes the needed masks and adds wear to materials, one removes it."""
 
 from dataclasses import replace
 from functools import partial
@@ -19,7 +19,7 @@ from . import wear
 
 
 def mask_look(look: Look) -> Look:
-    """The look of masks in shaders: white is high, over their own range or the one that several meshes share."""
+    """The look of masks for shaders: white is high. The range is each mask's own, or one that several meshes share."""
     shared = {name: span for name, span in look.ranges.items() if name}
     return replace(Look(), ranges=shared, levels=look.levels)
 
@@ -34,19 +34,19 @@ class VertexMasks(Batch):
 
 
 class ImageMasks(ImageBatch):
-    """A bake of the masks as images, where vertices are too few."""
+    """A bake of the masks as images, for meshes with too few vertices."""
 
     def __init__(self, context: bpy.types.Context) -> None:
-        """Takes settings and selection."""
+        """Takes settings and selection, and the look of masks for shaders."""
         super().__init__(context)
         self.choice = replace(self.choice, look=mask_look(self.choice.look))
 
 
 class WearJob:
-    """The bakes of the masks of all chosen objects, one after another."""
+    """Bakes the masks of all chosen objects: one batch as vertex colors, one as images."""
 
     def __init__(self, context: bpy.types.Context) -> None:
-        """Takes settings and selection; the panel has afterwards what it had."""
+        """Takes settings and selection. The panel's settings are changed for it only temporarily."""
         group, before = context.scene.paradesc, Snapshot(context.scene)
         chosen, source = targets.chosen(context), context.scene.paradesc_animation.source
         coarse = [target for target in chosen if wear.needs_image(target, source)]
@@ -63,51 +63,51 @@ class WearJob:
 
     @property
     def current(self) -> Pieces:
-        """The bake that is under way, or the last one."""
+        """The batch under way, or the last one."""
         return next((one for one in self.batches if not one.done), self.batches[-1])
 
     @property
     def worker(self) -> Worker | None:
-        """The worker that computes just now."""
+        """The worker that is computing now."""
         return self.current.worker
 
     @property
     def cancelled(self) -> bool:
-        """Whether any bake was cancelled."""
+        """Whether any batch was cancelled."""
         return any(one.cancelled for one in self.batches)
 
     @property
     def done(self) -> bool:
-        """Whether all bakes have ended."""
+        """Whether all batches have ended."""
         return all(one.done for one in self.batches)
 
     @property
     def fraction(self) -> float:
-        """The finished share of all bakes."""
+        """The finished share of all the work."""
         return sum(one.fraction for one in self.batches) / len(self.batches)
 
     @property
     def stage(self) -> str:
-        """The stage of the bake that is under way, for people."""
+        """Words for the step under way, shown as progress."""
         return self.current.stage
 
     def step(self, wait: bool = False) -> None:
-        """Goes on with the bake under way."""
+        """Takes the next step of the batch under way."""
         self.current.step(wait)
 
     def cancel(self) -> None:
-        """Ends all bakes."""
+        """Cancels all batches."""
         for one in self.batches:
             one.cancel()
 
     def close(self) -> None:
-        """Lets go of all bakes."""
+        """Closes all batches."""
         for one in self.batches:
             one.close()
 
 
 def batch_of(kind: type, context: bpy.types.Context, found: list[bpy.types.Object]) -> Pieces:
-    """A bake of some of the chosen objects."""
+    """A batch for some of the chosen objects."""
     with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
         return kind(bpy.context)
 
@@ -134,7 +134,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Says what stands in the way of reading or writing the selected meshes, or ""."""
+        """One sentence about why the selected meshes cannot be read or written, or ""."""
         sentence = targets.reading_obstacle(context)
         if sentence:
             return sentence
@@ -142,14 +142,14 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         return refused[0] if all(refused) else ""
 
     def begin(self, context: bpy.types.Context, beside: bool) -> WearJob:
-        """Takes the selection; refuses at once if no material of it can wear."""
+        """Makes the job; raises at once if no material of the selection can get wear."""
         faults = [wear.fault(target) for target in targets.chosen(context)]
         if all(faults):
             raise mesh_io.refuse(faults[0])
         return WearJob(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the masks and gives the materials wear; after Esc it does nothing."""
+        """Writes the masks and adds wear to the materials; after Esc it changes nothing."""
         job = self.job
         if job.cancelled:
             self.report({"INFO"}, "Cancelled; every mesh and material is as it was")
@@ -169,7 +169,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         return {"FINISHED"}
 
     def finish_batch(self, context: bpy.types.Context, batch: Pieces, worn: list[str]) -> None:
-        """Writes the masks, and adds to the names of materials that wear; images find the wear that is there."""
+        """Writes a batch's masks, adds wear, and adds the materials' names to worn. Images use existing wear."""
         at_vertices = isinstance(batch, VertexMasks)
         if at_vertices:
             batch.finish(context)
@@ -181,7 +181,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
                 batch.finish()
 
     def wear_of(self, key: ObjectKey, of_images: bool, worn: list[str], _piece: Piece) -> None:
-        """Gives one object wear; adds the name of its material."""
+        """Adds wear to one object, and the name of its material to worn."""
         target, look = find(key), self.look if self.properties.is_property_set("look") else ""
         with modes.object_mode(target):
             for sentence in wear.add(target, look, of_images):
@@ -198,14 +198,14 @@ class PARADESC_OT_remove_wear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only where there is some."""
+        """Needs a material with wear."""
         there = any(wear.wears(target) for target in targets.chosen(context))
         if not there:
             cls.poll_message_set(translation.tooltip("No material of the selected objects has wear"))
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Gives every material back what it had."""
+        """Removes wear from the materials of all chosen objects."""
         notes = [note for target in targets.chosen(context) for note in wear.remove(target)]
         for sentence in dict.fromkeys(notes):
             self.report({"INFO"}, translation.said(sentence))
