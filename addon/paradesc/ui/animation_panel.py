@@ -34,7 +34,7 @@ class PARADESC_PT_animation(SettingsPanel, bpy.types.Panel):
 
 
 def cache_lines(scene: bpy.types.Scene, target: bpy.types.Object | None) -> list[str]:
-    """Says how many frames of an object the cache has, by file names alone, because panels are drawn often."""
+    """Lines about the number of frames in an object's cache. Only file names are read, as panels redraw often."""
     if target is None:
         return []
     try:

@@ -1,20 +1,20 @@
-"""Stands in for the whole add-on where it cannot be imported: says in one sentence why, and what to do."""
+"""Replaces the whole add-on if it cannot be imported: says in one sentence why, and what to do."""
 
 import sys
 
 import bpy
 
-# The package whose name the add-on has in Blender's preferences.
+# The name of the package, which is the add-on's name in Blender's preferences.
 ADDON = __package__.rpartition(".")[0]
-# Letters that fit into a line of the sidebar as wide as Blender opens it. What measures text needs what may be missing.
+# The number of letters in a line of a sidebar of default width. Measuring text would need modules that may be missing.
 LINE = 28
-# Seconds after which a window shows the sentence: while Blender starts, or draws its preferences, it cannot.
+# Seconds until a window shows the sentence, which is impossible while Blender starts or draws its preferences.
 SOON = 0.2
 sentence = [""]
 
 
 def sentence_of(error: ImportError) -> str:
-    """What is wrong, and what to do."""
+    """One sentence that says what is wrong, and what to do."""
     if (error.name or "").partition(".")[0] == "numpy" and isinstance(error, ModuleNotFoundError):
         return (
             'Paradesc needs NumPy, which this Blender lacks: on Debian and Ubuntu run "sudo apt install '
@@ -49,7 +49,7 @@ class PARADESC_PT_failure(bpy.types.Panel):
 
 
 def draw_sentence(layout: bpy.types.UILayout) -> None:
-    """Draws it in lines of a few words, since labels do not wrap."""
+    """Draws the sentence in lines of a few words, since labels do not wrap."""
     column, line = layout.column(align=True), ""
     for word in [*sentence[0].split(), ""]:
         if line and (not word or len(line) + len(word) > LINE):
@@ -77,7 +77,7 @@ def register(error: ImportError) -> None:
 
 
 def unregister() -> bool:
-    """Takes it away; False if it is not there."""
+    """Removes the sentence; returns False if it is not registered."""
     if not hasattr(bpy.types, PARADESC_PT_failure.bl_idname):
         return False
     if bpy.app.timers.is_registered(pop_up):

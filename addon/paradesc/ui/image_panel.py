@@ -1,4 +1,4 @@
-"""The sub-panel of Bake to Image: what the textures are like."""
+"""The sub-panel of Bake to Image, with the settings of textures."""
 
 import bpy
 
@@ -13,7 +13,7 @@ class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
     bl_order = 25
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws size, outside, what is packed, where the textures go besides, and how far apart surfaces may lie."""
+        """Draws size, outside, packing, use in materials, and the cage distance."""
         for name in ("texels", "image_outside", "image_packed", "image_to_material", "cage"):
             setting(layout, settings, name)
 

@@ -10,7 +10,7 @@ from .result import draw_extremes
 
 
 def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws nothing where no image has been made, or none is left."""
+    """Draws the images of the last bake with their buttons; nothing if none was baked, or if all are deleted."""
     target = targets.first(context)
     made = image_results.found(target)
     if made is None:
@@ -37,7 +37,7 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def result_sentence(made: ImageBake) -> str:
-    """One line about what was made."""
+    """One line that names the baked images, their size and the time."""
     images = made.images
     what = images[0].name if len(images) == 1 else label("{count} images").format(count=len(images))
     return label("{what}, {size}², {seconds} s").format(what=what, size=made.size, seconds=f"{made.seconds:.1f}")

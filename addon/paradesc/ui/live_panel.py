@@ -46,7 +46,7 @@ class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
 
 
 def live_sentence(target: bpy.types.Object) -> str:
-    """What the panel has to say about this object, or ""."""
+    """The panel's message about this object, or ""."""
     if target.paradesc_live.sentence:
         return target.paradesc_live.sentence
     waiting = surfaces.waiting_sentence(target) if target.paradesc_live.mode != "OFF" else ""
@@ -67,7 +67,7 @@ def live_sentence(target: bpy.types.Object) -> str:
 
 
 def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws what the colors span."""
+    """Draws the ranges of the colors."""
     group, look = context.scene.paradesc_live, looks.scene_look(context.scene)
     column = layout.column(align=True)
     sentence_lines(context, column, "Colors at every frame:")
@@ -84,7 +84,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
-    """Draws how long the last frame took."""
+    """Draws the time that the last frame took."""
     session = handlers.session_at(target)
     if session is None or not session.seconds:
         return
@@ -95,7 +95,7 @@ def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bp
 
 
 def draw_lock(context: bpy.types.Context, layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
-    """Warns if the user has removed the lock."""
+    """Draws a warning if somebody has switched off Lock Interface."""
     if not scene.render.use_lock_interface:
         column = layout.column(align=True)
         sentence_lines(context, column, "Rendering in a window needs:", "ERROR")

@@ -1,4 +1,4 @@
-"""The sidebar's panels about colors: map and range, materials and nodes, other places for the values."""
+"""The sidebar's panels about colors: map and range, materials and nodes, and copies of the values."""
 
 import bpy
 
@@ -43,7 +43,7 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
 
 
 def follows_frames(target: bpy.types.Object | None) -> bool:
-    """Whether an object's values are live or played, so that their range is held at all frames."""
+    """Whether an object's values are live or played, so that all frames have one range."""
     return target is not None and target.paradesc_live.mode != "OFF"
 
 
@@ -75,7 +75,7 @@ class PARADESC_PT_channels(SettingsPanel, bpy.types.Panel):
     bl_parent_id = "PARADESC_PT_looks"
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
-        """Draws the buttons that copy what is shown, and the settings that pack four values into one attribute."""
+        """Draws the buttons that copy the shown values, and the settings for packing four attributes into one."""
         group = context.scene.paradesc_looks
         column = layout.column(align=True)
         column.operator("paradesc.vertex_group", icon="GROUP_VERTEX")

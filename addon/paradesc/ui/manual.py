@@ -1,4 +1,4 @@
-"""The question mark of the panel: opens the manual that lies beside the add-on, without a network."""
+"""The question mark in the panel, which opens the manual that is part of the add-on, without a network."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import bpy
 
 from ..settings import translation
 
-# A package has web pages; a package without them and a source tree have the Markdown pages.
+# Packages contain web pages. A source tree, and a package without them, have Markdown pages.
 PACKAGE = Path(__file__).resolve().parents[1]
 FIRST_PAGES = (
     PACKAGE / "manual" / "index.html",
@@ -16,7 +16,7 @@ FIRST_PAGES = (
 
 
 def first_page() -> Path | None:
-    """The page to open, or None if the add-on was copied without its manual."""
+    """The page to open; None if the add-on was copied without its manual."""
     return next((path for path in FIRST_PAGES if path.is_file()), None)
 
 
@@ -29,14 +29,14 @@ class PARADESC_OT_manual(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Says if there is no manual."""
+        """Works only if there is a manual; the button's tooltip says so."""
         there = first_page() is not None
         if not there:
             cls.poll_message_set(translation.tooltip("This copy of the add-on has no manual; install a package"))
         return there
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Opens web pages in the browser, Markdown in the program that this system has for it."""
+        """Opens web pages in the browser, and Markdown pages in the system's program for them."""
         page = first_page()
         if page.suffix == ".html":
             return bpy.ops.wm.url_open(url=page.as_uri())

@@ -16,7 +16,7 @@ class PARADESC_MT_bake(bpy.types.Menu):
     bl_label = "Paradesc Masks"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draws one entry for each mask, to images where faces are too large for vertex colors."""
+        """Draws one entry for each mask, which bakes to images if faces are too large for vertex colors."""
         large = large_faces.of_chosen(context)
         words = label("Bake {what} to Image" if large else "Bake {what}")
         for name in presets.MASKS:
@@ -26,7 +26,7 @@ class PARADESC_MT_bake(bpy.types.Menu):
 
 
 def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
-    """Draws the menu of masks inside another one."""
+    """Draws the menu of masks as an entry of another menu."""
     if not bridge.missing_sentence():
         menu.layout.separator()
         menu.layout.menu("PARADESC_MT_bake")

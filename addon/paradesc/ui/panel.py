@@ -17,7 +17,7 @@ from .report_panel import stored_report
 from .result import draw_result
 from .wear_panel import draw_wear
 
-# The button's share of its row, where Live is beside it.
+# The bake button's share of a row that also has Live.
 BAKE_SHARE = 0.7
 TO_IMAGE = "Bake to Image"
 MASK_ICONS = {"cavity": "HOLDOUT_ON", "edge_wear": "MOD_BEVEL", "curvature": "FORCE_HARMONIC", "openness": "LIGHT_SUN"}
@@ -60,7 +60,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
 
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws one button for each mask, the chosen ones pressed; whatever else is chosen under Analysis has a line."""
+    """Draws one button for each mask, pressed if chosen. Other choices under Analysis are listed in a line."""
     chosen = presets.chosen_masks(settings)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
@@ -73,7 +73,7 @@ def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings:
 
 
 def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws how far to look around, by sizes that fit the mesh or by number, and which mesh is measured."""
+    """Draws the radius, as a size that fits the mesh or as a number, and the source."""
     sizes = layout.row(align=True)
     for size in advice.SIZES:
         choice(sizes, settings, "radius_fit", size)
@@ -84,7 +84,7 @@ def draw_radius(context: bpy.types.Context, layout: bpy.types.UILayout, settings
 
 
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws one button for each mask of sculpt mode, and what stands in their way."""
+    """Draws one button for each mask of sculpt mode, and the reason if they cannot be used."""
     column = layout.column(align=True)
     sentence_lines(context, column, "Protect by Sculpt Mask")
     grid = column.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
@@ -96,7 +96,7 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 
 
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws the buttons that bake, the one that suits the meshes first, and the switch of live values beside it."""
+    """Draws the bake buttons, with the one that suits the meshes first, and beside it the switch of live values."""
     chosen = targets.chosen(context)
     text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
     buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
@@ -116,7 +116,7 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
 
 
 def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draws what stands in the way, what is left out, and the buttons that change it."""
+    """Draws why a bake is impossible, what it leaves out, and buttons that remedy it."""
     sentence, chosen = targets.obstacle(context), targets.chosen(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
@@ -136,7 +136,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
 
 
 def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws what live values cost a frame, or why they stopped."""
+    """Draws the time that live values take per frame, or why they stopped."""
     target = targets.first(context)
     if target is None:
         return
@@ -149,7 +149,7 @@ def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Says if settings that the panels leave out are not at their defaults, with a way to see and to reset them."""
+    """Draws a note if hidden settings are not at their defaults, with buttons to show and to reset them."""
     count = sum(research.is_hidden(group, name) for group, name in research.changed(context.scene))
     if not count:
         return
@@ -162,14 +162,14 @@ def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> Non
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
-    """Draws how far the work is, as a property, since Blender 4 goes on drawing its own bar in place of what follows."""
+    """Draws the progress as a property, because Blender 4 keeps drawing its own bar in place of later ones."""
     layout.prop(context.window_manager, "paradesc_progress", text="", slider=True)
     sentence_lines(context, layout, progress_text(running), "SORTTIME")
     layout.operator("paradesc.cancel", icon="X")
 
 
 def button_text(count: int, masks: list[str] = ()) -> str:
-    """The text of the button for so many meshes, or for one and the masks that are chosen."""
+    """The text of the bake button, for several meshes or for the masks of one."""
     if count > 1:
         return label("Bake {count} Meshes").format(count=count)
     if len(masks) > 1:

@@ -1,4 +1,4 @@
-"""The panel about what the last bake of the chosen mesh found."""
+"""The panel with the facts about the last bake of the chosen mesh."""
 
 import bpy
 
@@ -6,7 +6,7 @@ from ..scene import record, targets
 from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines
 
-# Mesh defects that get a line each if there are any: the member of the mesh report, and words for people.
+# Mesh defects, each of which has a line if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
     ("loose_vertices", "{loose_vertices:,} vertices without a face"),
     ("degenerate_triangles", "{degenerate_triangles:,} triangles without area"),
@@ -16,7 +16,7 @@ DEFECTS = (
     ("nonmanifold_edges", "{nonmanifold_edges:,} non-manifold edges"),
     ("nonmanifold_vertices", "{nonmanifold_vertices:,} non-manifold vertices"),
 )
-# What a bake took: the member of the field report, and words for people.
+# The costs of a bake: the member of the field report, and words for people.
 STAGES = (
     ("seconds_prepare", "– preparing: {seconds_prepare:.2f} s"),
     ("seconds_bake", "– drawing buffers: {seconds_bake:.2f} s"),
@@ -34,11 +34,11 @@ class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Shows only if there was a bake."""
+        """Works only if the mesh was baked."""
         return bool(stored_report(targets.first(context)))
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
-        """Draws one line for each fact, and notes below; what limits the values stands under the button."""
+        """Draws one line for each fact, then the notes. Warnings are under the bake button."""
         column = layout.column(align=True)
         stored = stored_report(targets.first(context))
         for fact in report_lines(stored):
@@ -48,16 +48,16 @@ class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
 
 
 def stored_report(target: bpy.types.Object | None) -> dict[str, dict]:
-    """What the last bake left on the mesh of an object; empty if there was none, or if its values are gone."""
+    """The record of the last bake of an object's mesh; empty if there was none, or if its values are gone."""
     stored = record.read(target.data) if target is not None else {}
     if "mesh_report" not in stored:
-        return {}  # frames of a cache have no report
+        return {}  # the frames of a cache have no report
     left = stored["attributes"]  # the list outlives an undo in edit mode, the attributes do not
     return stored if any(name in target.data.attributes for name in left) else {}
 
 
 def report_lines(stored: dict[str, dict]) -> list[str]:
-    """The facts of one bake, as lines."""
+    """The facts about one bake, as lines."""
     mesh, field = stored["mesh_report"], stored["field_report"]
     lines = [
         label("{vertices:,} vertices, {triangles:,} triangles").format(
@@ -87,7 +87,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
 
 
 def texels(field: dict[str, float]) -> str:
-    """The radius in texels, if a device used any."""
+    """The radius in texels; "" if the bake used none."""
     return label(" ({radius_in_texels:.1f} texels)").format(**field) if field["radius_in_texels"] > 0 else ""
 
 

@@ -1,4 +1,4 @@
-"""Draws the last bake of the chosen mesh in the main panel: one line, what to show of it, and what limits it."""
+"""Draws the result of the last bake in the main panel: one line, the choice of what to show, and warnings."""
 
 import bpy
 
@@ -14,7 +14,7 @@ from .report_panel import stored_report
 
 
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws it, if there was a bake whose values are still there."""
+    """Draws the result of the last bake, if its values still exist."""
     target = targets.first(context)
     stored = stored_report(target)
     if not stored:
@@ -28,7 +28,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
-            if viewports.SOLID_BEFORE in context.screen:  # wear has shown materials
+            if viewports.SOLID_BEFORE in context.screen:  # after wear, which shows materials
                 row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
         elif not viewports.is_shown(context):
             row.operator("paradesc.view_colors", text="", icon="HIDE_ON")
@@ -48,7 +48,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """Draws what changes the colors at once, with the names within the fields."""
+    """Draws the settings that change colors at once, with names inside the fields."""
     looks, column = context.scene.paradesc_looks, layout.column(align=True)
     setting(column, looks, "contrast", slider=True)
     setting(column, looks, "brightness", slider=True)
@@ -65,9 +65,10 @@ def draw_extremes(
     percent: float,
     again: tuple[str, set[str]],
 ) -> None:
-    """Says if nearly all of a mask is black or white, with buttons for the next smaller and larger radius.
+    """Draws a warning if nearly all of a mask is black or white, with buttons for the next smaller and larger radius.
 
-    seen: its extremes; percent: the radius, of the diagonal; again: the operator that bakes it, and the values.
+    seen: the extremes of the mask; percent: the radius in percent of the diagonal; again: the operator that baked the
+    mask, and its descriptors.
     """
     sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
     sentence = next((words for word, words in sides.items() if seen.get(word, 0.0) > color_maps.MOST_EXTREME), "")
@@ -85,14 +86,14 @@ def draw_extremes(
 
 
 def next_radius(size: str, percent: float, step: int) -> tuple[str, float]:
-    """The next smaller (step: -1) or larger size (1) and 0, or none and half or twice the percent of the diagonal."""
+    """The next smaller (step: -1) or larger size (1) and 0; without one, half or twice the percentage."""
     sizes = [*advice.SIZES]
     place = sizes.index(size) + step if size in sizes else -1
     return (sizes[place], 0.0) if 0 <= place < len(sizes) else (PANEL[0], percent * 2.0**step)
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
-    """One line about what a bake did and how long it took: "Openness · 0.2 s"."""
+    """One line about the last bake and its time: "Openness · 0.2 s"."""
     asked = stored["settings"].get("descriptors")
     names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
     seconds = stored["field_report"]["seconds_total"]
@@ -101,7 +102,7 @@ def result_sentence(stored: dict[str, dict]) -> str:
 
 
 def baked_words(names: list[str]) -> str:
-    """The masks that these descriptors are, or the only one of them, or how many there are."""
+    """The labels of these descriptors' masks, the label of a single descriptor, or how many there are."""
     masks = presets.masks_of(set(names))
     if masks:
         return ", ".join(label(presets.PRESETS[mask].label) for mask in masks)
@@ -112,6 +113,6 @@ def baked_words(names: list[str]) -> str:
 
 
 def shown_words(mesh: bpy.types.Mesh) -> str:
-    """The descriptor whose colors the mesh shows, in words."""
+    """The label of the descriptor whose colors the mesh shows."""
     name = recolor.shown_name(mesh)
     return descriptor_words(name) if name else label("Choose what to show")

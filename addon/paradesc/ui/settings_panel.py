@@ -1,4 +1,4 @@
-"""The panels of settings: descriptors, neighborhood, quality and device, and for research method and output."""
+"""The panels of settings: descriptors, neighborhood, quality and device; and for research, method and output."""
 
 import bpy
 from mathutils import Vector
@@ -10,9 +10,9 @@ from ..settings import preferences
 from ..settings.translation import label
 from .drawing import SettingsPanel, choice, setting
 
-# Backends that bake buffers first, whose size is a setting.
+# Backends with baked buffers, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
-# Operators that look at their map through Gaussian windows.
+# Operators that have Gaussian windows over their map.
 WINDOWED = {"difference_of_gaussians", "harris"}
 
 
@@ -51,7 +51,7 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
     bl_order = 10
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws the radius's unit, what it is as a length, further radii, and the space."""
+        """Draws the radius's unit, its length, further radii, and the space."""
         column = layout.column(align=True)
         setting(column, settings, "radius_unit")
         target = targets.first(context)
@@ -74,7 +74,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     bl_order = 50
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws samples, creases and device, and what only devices or research know."""
+        """Draws samples, creases and device, and the settings that only graphics devices or research use."""
         for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
             setting(layout, settings, name)
         column = layout.column(align=True)
@@ -115,11 +115,11 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Shows only among research settings."""
+        """Works only if research settings are shown."""
         return super().poll(context) and preferences.shows_research()
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws estimators, distance and evaluation; what belongs to one choice is grey with the others."""
+        """Draws estimators, distance and evaluation; settings without effect under the present choices are grey."""
         carried = settings.relocation != "connected"
         for name, active in (
             ("estimator", True),
@@ -147,7 +147,7 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Shows only among research settings."""
+        """Works only if research settings are shown."""
         return super().poll(context) and preferences.shows_research()
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
@@ -162,13 +162,13 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
 
 
 def device_words(name: str) -> str:
-    """A device as the interface's language has it: its kind in words, and its own name as it is."""
+    """The name of a device with its kind translated."""
     kind, colon, rest = name.partition(": ")
     return label(kind) + colon + rest
 
 
 def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
-    """The registry in groups with a title each, which follow from what the registry says."""
+    """The registry in groups, each with a title."""
     rows = bridge.descriptors()
     groups = [
         ("Of the Surface", [row for row in rows if row.components == 1 and not row.map_degree]),
@@ -179,7 +179,7 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
 
 
 def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:
-    """The radius as a length in the scene, unless the number says it or the scale is uneven; then ""."""
+    """The radius as a length in the scene; "" if the number says it already, or if the scale is uneven."""
     in_world = settings.space == "world"
     if not spaces.is_even(target.matrix_world) or settings.radius_unit == "mean-edge":
         return ""
@@ -193,7 +193,7 @@ def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, targ
 
 
 def length_words(scene: bpy.types.Scene, length: float) -> str:
-    """A length in words, in the units of the scene."""
+    """A length with the scene's unit, as text."""
     units = scene.unit_settings
     if units.system == "NONE":
         return f"{length:.4g}"

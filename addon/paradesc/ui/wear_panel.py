@@ -1,4 +1,4 @@
-"""The button that lets materials wear, and its menu of looks."""
+"""The button that adds wear to materials, and its menu of looks."""
 
 import bpy
 
