@@ -1,4 +1,4 @@
-"""Brings live values to the vertices that modifiers make, by the carrier that bakes use, at every frame anew."""
+"""Carries live values to the vertices that modifiers make, at every frame, with the same carrier as bakes."""
 
 from dataclasses import dataclass
 

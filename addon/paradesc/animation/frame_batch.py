@@ -1,4 +1,4 @@
-"""Bakes frames of several objects into their caches, one object after the other, on a thread beside the window."""
+"""Bakes frames of several objects into their caches, one object after the other, without blocking the window."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -23,7 +23,7 @@ from . import frames, painting, pausing, sessions
 
 @dataclass
 class ObjectFrames(Piece):
-    """One object's frames: which object they are of, and what came of them."""
+    """The frames of one object: which object it is, and the results."""
 
     folder: Path
     cache_key: str = ""  # of its frames
@@ -51,7 +51,7 @@ class FrameBatch(Pieces):
 
     @property
     def under_way(self) -> bool:
-        """An object stays open from its first frame to its last, also between two workers."""
+        """Whether an object is open, which it is from its first frame to its last, also between two workers."""
         return self.baker is not None
 
     @property
@@ -111,7 +111,7 @@ class FrameBatch(Pieces):
             self._open.enter_context(baker.evaluating())
 
     def advance(self, piece: ObjectFrames) -> None:
-        """Takes in a frame and begins the next one; after the last one leaves the object."""
+        """Takes in a frame and starts the next one; after the last one, closes the object."""
         if self.worker is not None:
             self.join().result()
             piece.made += 1
@@ -125,7 +125,7 @@ class FrameBatch(Pieces):
             self.worker.start()
 
     def leave(self, piece: ObjectFrames, failure: str) -> None:
-        """Closes an object and goes on to the next one."""
+        """Closes an object and continues with the next one."""
         piece.failure = failure
         if self.baker is not None:
             piece.notes = list(self.baker.notes)
@@ -135,7 +135,7 @@ class FrameBatch(Pieces):
         opened.close()
 
     def close(self) -> None:
-        """Cancels what is left, goes back to the frame before, and lets live values go on. Safe to call again."""
+        """Cancels the rest, returns to the former frame, and ends the wait of live values. Safe to call again."""
         self.settle()
         if self._held is None:
             return

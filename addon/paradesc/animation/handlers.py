@@ -66,7 +66,7 @@ def shared_sentence(other: bpy.types.Object) -> str:
 
 
 def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
-    """Locks the interface during renders while live values need that, and afterwards restores what was set."""
+    """Locks the interface during renders while live values need it, and restores the user's setting afterwards."""
     group = scene.paradesc_live
     if needed and not scene.render.use_lock_interface:
         scene.render.use_lock_interface = group.lock_taken = True
@@ -141,7 +141,7 @@ def delay_of(targets: list[bpy.types.Object]) -> float:
 
 
 def follow_edits() -> float | None:
-    """Runs as a timer: gives the seconds until the next call, or None once values have followed."""
+    """A timer that returns the seconds until its next call, or None once all values are up to date."""
     if STATE.edited_at is None:
         return None
     delay = delay_of(live_objects())
@@ -198,7 +198,7 @@ def on_save(*_ignored: object) -> None:
 
 @persistent
 def on_undo(*_ignored: object) -> None:
-    """Looks at everything again, because names, topology and values may have changed."""
+    """Checks everything again, because names, topology and values may have changed."""
     unkeyed.forget()
     STATE.object_count = -1
     for session in STATE.sessions.values():
@@ -231,7 +231,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Removes the handlers, and frees what they kept."""
+    """Removes the handlers and frees all sessions."""
     hooks.take_down(HANDLERS)
     looks.ignore(look_changed)
     for function in (follow_edits, collect):

@@ -70,7 +70,7 @@ class Session:
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
-        self.done: LiveRequest | None = None  # what the results are of
+        self.done: LiveRequest | None = None  # the request that the results belong to
         self.results: Results | None = None
         self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
         self.scene_name = ""  # whose settings the newest request has
@@ -186,7 +186,7 @@ class Session:
         return changed
 
     def show_radius(self, scene: bpy.types.Scene) -> None:
-        """Has the panel show the radius that was fitted, as a bake does."""
+        """Shows the fitted radius in the panel, as a bake does."""
         asked, found = self.done.settings, self.results.settings
         radius, unit = found.options.radius, asked.options.radius_unit
         if not follows_mesh(asked) or (radius, unit) == self.shown_radius:
@@ -368,7 +368,7 @@ def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
 
 
 def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
-    """The same options with buffers as small as the radius allows, which take less time."""
+    """The options with the smallest buffers that the radius allows, which take less time."""
     size = options.buffer_size
     while size > SMALLEST_BUFFER and radius_in_texels * (size // 2) >= ENOUGH_TEXELS * options.buffer_size:
         size //= 2
@@ -386,9 +386,9 @@ def measures_maps(target: bpy.types.Object) -> bool:
 
 
 def unbaked_simulation(target: bpy.types.Object) -> str:
-    """The name of a simulation of the object whose cache is not baked, or "".
+    """The name of a simulation on the object whose cache is not baked, or "".
 
-    Writing to its mesh makes Blender forget such a cache, so the simulation may come out otherwise.
+    Writing to the mesh makes Blender discard such a cache, so the simulation may give other results.
     """
     found = [*target.modifiers, *(item for item in target.particle_systems if item.settings.type == "EMITTER")]
     free = (item.name for item in found if hasattr(item, "point_cache") and not item.point_cache.is_baked)

@@ -1,4 +1,4 @@
-"""Settings of live values and playback, which scenes and objects keep, and what happens when they change."""
+"""The settings of live values and playback on scenes and objects, with their update callbacks."""
 
 import bpy
 
@@ -16,7 +16,7 @@ MISSING = [
 
 
 def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Starts or ends live values; those that stay are known as ours until somebody paints over them."""
+    """Starts or ends live values. Values that remain are recognized as ours until somebody paints over them."""
     handlers.mode_changed(group.id_data)
     if group.mode == "OFF":
         painting.leave(group.id_data)

@@ -1,4 +1,4 @@
-"""The operators that bake frames of all selected meshes into the cache, and that take ranges anew."""
+"""The operators that bake frames of all selected meshes into the cache, and that recompute color ranges."""
 
 import bpy
 
@@ -37,7 +37,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
 
     def finish(self, _context: bpy.types.Context) -> set[str]:
-        """Comes back to the frame before, makes colors span all frames, and says which frames there are now."""
+        """Returns to the former frame, makes colors span all frames, and reports which frames exist now."""
         batch = self.job
         batch.close()
         report_all(self.report, batch, batch.pieces)

@@ -11,7 +11,7 @@ from ..core.color_maps import Look, ValueRange
 from ..scene import arrays, carrying, mesh_io, modes, ownership, record
 from . import unkeyed
 
-# Steps of a color table, far below what 8 bits can show.
+# The number of steps in a color table, so that one is far below the resolution of 8 bits.
 TABLE_STEPS = 4096
 
 
@@ -19,8 +19,8 @@ TABLE_STEPS = 4096
 class Values:
     """The values that one frame writes to a mesh, with the facts that the mesh's record keeps."""
 
-    shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
-    extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
+    shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32; each also gets colors
+    extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without colors
     facts: dict[str, object]  # as record.facts_of() has them
     drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what record.drawing_of() has
 

@@ -10,7 +10,7 @@ import bpy
 
 _holds: list[object] = []
 _pressed: list[str] = []
-# Operators that go on changing a mesh until their button is released.
+# Modal operators that change a mesh until their mouse button is released.
 DRAGGING = ("SCULPT_OT_", "PAINT_OT_", "TRANSFORM_OT_")
 BUTTONS = {"LEFTMOUSE", "RIGHTMOUSE"}
 
@@ -66,7 +66,7 @@ class PARADESC_OT_look_at_buttons(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def invoke(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Looks at the last button or key of the window."""
+        """Notes whether the window's last event is a press of a button."""
         if event.type in BUTTONS and event.value == "PRESS":
             _pressed.append(event.type)
         return {"FINISHED"}

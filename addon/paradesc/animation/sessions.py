@@ -16,7 +16,7 @@ from ..settings import looks
 from ..settings.snapshot import identity
 from . import live, painting, pausing, playback, surfaces
 
-# Seconds between two looks at what is computed beside the window.
+# Seconds between two checks of the computation on a thread.
 COLLECT_STEP = 0.01
 # Seconds until the next look where something else goes first.
 LATER = 0.2
@@ -52,9 +52,10 @@ def forget_all() -> None:
 
 
 def live_objects() -> list[bpy.types.Object]:
-    """The objects that have live values switched on; listed afresh when objects came, went or were renamed.
+    """The objects with live values switched on; listed again when objects were added, removed or renamed.
 
-    Of objects that share a mesh, as linked duplicates do, only the first counts: the mesh can hold the values of one.
+    Of objects that share a mesh, such as linked duplicates, only the first counts, as the mesh can hold one object's
+    values.
     """
     objects = bpy.data.objects
     found = [objects.get((name, None)) for name, _ in STATE.listed]
@@ -79,9 +80,9 @@ def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def is_live(target: bpy.types.Object) -> bool:
-    """Whether live values are on for a local mesh; a linked mesh could not keep what is written to it.
+    """Whether live values are on for an object. It must be local, as a linked one could not keep them.
 
-    Reading the settings of an object would store them there, so those that have none are left alone.
+    Reading the settings of an object would store them there, so objects without stored settings are not asked.
     """
     stored = target.type == "MESH" and target.library is None and target.is_property_set("paradesc_live")
     return stored and target.paradesc_live.mode != "OFF"
@@ -155,7 +156,7 @@ def switching_off(target: bpy.types.Object) -> Iterator[None]:
 
 
 def collect(wait: bool = False) -> float | None:
-    """Runs as a timer: shows what was computed beside the window; gives the seconds until the next call, or None."""
+    """A timer that shows what a thread has computed; returns the seconds until its next call, or None."""
     if STATE.rendering:
         return LATER
     if any(target.mode == "SCULPT" for target in live_objects()) and pausing.is_busy():
@@ -201,7 +202,7 @@ def switch_off(target: bpy.types.Object, sentence: str) -> None:
 
 
 def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
-    """Brings objects up to date in what the windows show, or without a window in the current view layer."""
+    """Brings objects up to date in the windows' scenes, or without a window in the current view layer."""
     if is_ours() or STATE.rendering:
         return
     windows = bpy.context.window_manager.windows

@@ -68,9 +68,9 @@ def shown(
 
 
 def source_of(scene: bpy.types.Scene) -> str:
-    """The source that a bake has; what is shown is what the modifiers make.
+    """The source that a bake uses. What is shown counts as what the modifiers make.
 
-    Values that follow an animation follow the base mesh where it is moved, as they did before there was one source.
+    Values that follow an animation measure the base mesh as deformed, as they did before sources could be chosen.
     """
     chosen = scene.paradesc_animation.source
     return source_kinds.EVALUATED if chosen == source_kinds.AUTOMATIC else chosen
@@ -128,7 +128,7 @@ def cuts(target: bpy.types.Object, rendering: bool) -> bool:
 
 
 def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> bool:
-    """Whether anything moves the vertices of the object's own mesh; nodes may, where they make as many."""
+    """Whether anything moves the vertices of the object's own mesh; nodes may do so if they keep the number."""
     own, kinds = target.data, {item.type for item in used(target, rendering)}
     moved = own.shape_keys is not None or own.animation_data is not None
     nodes = "NODES" in kinds and len(evaluated.data.vertices) == len(own.vertices)
@@ -156,7 +156,7 @@ def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
 
 
 def waiting_sentence(target: bpy.types.Object) -> str:
-    """Why values wait in the mode of the object, or "".
+    """The reason why values wait in the mode of the object, or "".
 
     In edit mode and with dynamic topology Blender works on a copy of the mesh; vertex paint keeps tables of its own.
     """
@@ -170,7 +170,7 @@ def waiting_sentence(target: bpy.types.Object) -> str:
 
 
 def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
-    """The object as the depsgraph has it; None if it is not there, or if its mesh is being edited."""
+    """The object in the depsgraph; None if it is missing there, or if its mesh is in edit mode."""
     if waiting_sentence(target):
         return None
     evaluated = target.evaluated_get(depsgraph)

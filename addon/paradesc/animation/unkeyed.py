@@ -24,21 +24,21 @@ _kept: dict[bpy.types.ID, list[Value]] = {}
 
 
 def keep(datablocks: Iterable[bpy.types.ID]) -> None:
-    """Remembers the present values of animated properties, except those that are remembered already."""
+    """Remembers the present values of animated properties, unless they are remembered already."""
     for datablock in datablocks:
         if datablock not in _kept:
             _kept[datablock] = list(values_of(datablock))
 
 
 def restore() -> None:
-    """Puts back what has changed since, and forgets all."""
+    """Restores the remembered values that have changed since, and forgets all."""
     while _kept:
         datablock, values = _kept.popitem()
         restore_values(datablock, values)
 
 
 def restore_values(datablock: bpy.types.ID, values: list[Value]) -> None:
-    """Puts back what has changed of one datablock."""
+    """Restores the remembered values of one datablock that have changed since."""
     for path, index, value in values:
         try:
             if value_at(datablock, path, index) != value:
