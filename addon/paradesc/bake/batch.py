@@ -75,7 +75,7 @@ class Batch(OneByOne):
         piece.results.notes = list(piece.notes)
 
     def close(self) -> None:
-        """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""
+        """Cancels the remaining work, waits for it, and removes files that are still aside. Safe to call again."""
         self.settle()
         for piece in self.pieces:
             if piece.files is not None:
@@ -133,7 +133,7 @@ def file_places(group: bpy.types.PropertyGroup, keys: list[ObjectKey]) -> list[t
 
 
 def whole_path(text: str, what: str, name: str) -> Path:
-    """A path of the panel; // stands for the folder of the .blend. If it is a folder, the name is added."""
+    """The absolute path for one of the panel, where // is the .blend's folder. An image folder gets the name added."""
     if not text.strip():
         raise bake_files.refuse(f"The {what} has no path; give one under Output.")
     if text.startswith("//") and not bpy.data.filepath:

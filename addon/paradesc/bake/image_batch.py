@@ -1,4 +1,4 @@
-"""Makes textures of several meshes, or pairs of them, with one worker after another, and keeps all at the end."""
+"""Bakes textures of several meshes, or of pairs of them, one worker after another, and keeps all at the end."""
 
 import time
 from collections.abc import Callable
@@ -33,7 +33,7 @@ class TextureBake(Piece):
     begun: float = 0.0  # when it was read
     seconds: float = 0.0  # how long that and the computation lasted
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
-    images: list[bpy.types.Image] = field(default_factory=list)  # what was made, once it is kept
+    images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
@@ -95,7 +95,7 @@ class ImageBatch(OneByOne):
         return (self.round - 1 + super().fraction) / self.rounds
 
     def step(self, wait: bool = False) -> None:
-        """Goes on with the current mesh; after the last one of the first round it begins to draw."""
+        """Continues with the current mesh. After the last mesh of the first round, drawing begins."""
         super().step(wait)
         computed = [results for piece in self.pieces if piece.computed is not None for results in piece.computed.found]
         if self.done and not self.cancelled and self.round < self.rounds and computed:
@@ -167,7 +167,7 @@ class ImageBatch(OneByOne):
         piece.warnings = [*others, *found.facet_notes(), *piece.warnings]
 
     def close(self) -> None:
-        """Cancels what is left, waits for it, and takes away UV maps that were made for nothing. Safe to call again."""
+        """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
         self.settle()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
@@ -202,9 +202,9 @@ class ImageBatch(OneByOne):
         image_results.keep(target.data, piece.result(self.choice.size))
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
-        """Writes the file of a texture, or those of its tiles, and loads them; without a folder it packs them.
+        """Writes and loads the file of a texture, or those of its tiles; without a folder they are packed instead.
 
-        They get the first name that is free, or has what an earlier bake of the same object has left.
+        They get the first name that is free, or that of the same object's earlier, unchanged bake.
         """
         owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}

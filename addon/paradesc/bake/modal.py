@@ -1,4 +1,4 @@
-"""Runs work that a window waits for, with progress in the panel and Esc; scripts take the same steps in a row."""
+"""Runs work without blocking the window, with progress in the panel and Esc; scripts run the same steps in a row."""
 
 from collections.abc import Iterator
 from typing import Protocol
@@ -43,7 +43,7 @@ class Steps(Protocol):
         """Makes the work end as soon as its worker notices."""
 
     def close(self) -> None:
-        """Cancels what is left, waits for it, and tidies up. Safe to call again."""
+        """Cancels the remaining work, waits for it, and cleans up. Safe to call again."""
 
 
 class ModalJob:
@@ -89,7 +89,7 @@ class ModalJob:
         return ended
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Starts the work; modal() goes on with it."""
+        """Starts the work; modal() continues it."""
         if bpy.app.background:
             return self.execute(context)
         if not self.has_begun(context, beside=True):

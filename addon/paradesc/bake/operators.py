@@ -1,4 +1,4 @@
-"""The bake operator: it bakes the selected meshes one after another while the window goes on, as one step to undo."""
+"""The bake operator: bakes the selected meshes one after another without blocking the window, as one undo step."""
 
 import bpy
 
@@ -62,7 +62,7 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes all results and says what was found; after Esc it writes no mesh at all."""
+        """Writes all results and reports them; after Esc it changes no mesh at all."""
         batch = self.job
         if batch.cancelled:
             self.report({"INFO"}, "Cancelled; every mesh is as it was")
@@ -86,7 +86,7 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
 
 
 def keep_for_undo(context: bpy.types.Context) -> None:
-    """Adds a step of undo in brush modes, because their own steps hold strokes, not the attributes of a mesh."""
+    """Pushes an undo step in brush modes, because their own steps hold strokes and not a mesh's attributes."""
     active = context.active_object
     if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
         bpy.ops.ed.undo_push(message="Before Bake Mask")
@@ -149,7 +149,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
 
 
 def make_local(target: bpy.types.Object, copies: dict[bpy.types.Mesh, bpy.types.Mesh]) -> bpy.types.Object:
-    """Gives the object, made local, with a local mesh; copies holds the meshes that have been made so far."""
+    """Returns the object, made local, with a local mesh. copies: the local meshes that have been made so far."""
     if target.library is not None:
         if any(item.override_library and item.override_library.reference == target for item in bpy.data.objects):
             sentence = f'Overrides follow the linked object "{target.name}"; make those local, or remove them first.'
@@ -181,7 +181,7 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
         return found
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Converts them in place as Blender does; the selection and the active object stay."""
+        """Converts the objects in place, as Blender does. Selection and active object stay."""
         found = targets.skipped(context)
         reasons = {item: targets.unconvertible(item) for item in found}
         for sentence in filter(None, reasons.values()):
@@ -196,7 +196,7 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
 
 
 def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
-    """Converts these objects to meshes; of a family of metaballs one object remains, with all of it."""
+    """Converts the objects to meshes. Of a family of metaballs one object remains, with the whole surface."""
     for item in chosen:  # objects that share its data stay as they are; Blender 4.2 would empty shared texts besides
         if item.type != "META" and item.data.users > 1:
             item.data = item.data.copy()
@@ -231,7 +231,7 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """Says what the device is, or why it is not there."""
+        """The tooltip: what the device is, or why it is missing."""
         return translation.tooltip(devices.about(asked.backend))
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -155,7 +155,7 @@ def stage_words(stage: str) -> str:
 
 
 def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:
-    """Reports notes and warnings of what was written, by the name of each object if there are several."""
+    """Reports the notes and warnings of written pieces, with the objects' names if there are several."""
     several = len(batch.pieces) > 1
     for piece in written:
         for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):

@@ -23,7 +23,7 @@ FINE = 200_000
 
 @dataclass
 class MaskPiece(Piece):
-    """The mesh in sculpt mode, and what came of it."""
+    """The mesh in sculpt mode, with its results."""
 
     results: job.Results | None = None
 
@@ -55,7 +55,7 @@ class MaskBatch(OneByOne):
         piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *piece.warnings]
 
     def close(self) -> None:
-        """Cancels what is left, and waits for it. Safe to call again."""
+        """Cancels the computation and waits for it. Safe to call again."""
         self.settle()
 
     def finish(self, invert: bool) -> None:
@@ -71,7 +71,7 @@ class MaskBatch(OneByOne):
 
 
 def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
-    """The settings, without fitted normals if a mesh of so many triangles shows no difference but takes longer."""
+    """The settings; for many triangles without fitted normals, which take time and change nothing visible."""
     if triangles < (fine or FINE) or settings.options.normals != "fitted":
         return settings
     return replace(settings, options=replace(settings.options, normals="max"))
