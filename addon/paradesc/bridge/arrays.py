@@ -21,7 +21,7 @@ class Layout:
 
 @dataclass
 class SurfaceMaps:
-    """Images over a mesh's UV map, rows bottom-up, that displace its surface or say its normals."""
+    """Images over a mesh's UV map, rows bottom-up, which displace its surface or define its normals."""
 
     heights: np.ndarray | None = None  # (height, width) float32
     midlevel: float = 0.5
@@ -47,7 +47,7 @@ class MeshArrays:
 
     @property
     def map_fault(self) -> str:
-        """Why no image can lie over the mesh's own UV map: "has no UV map"; "" if one can."""
+        """The reason why no image can lie over the mesh's own UV map: "has no UV map"; "" if one can."""
         is_usable = self.corner_uvs is not None and self.layout is None
         return "" if is_usable else self.uv_fault or "has no UV map"
 

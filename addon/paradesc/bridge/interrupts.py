@@ -13,13 +13,13 @@ NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interrupts:
-    """Keeps what handlers of Ctrl-C and SIGTERM raise; does nothing on other threads than the main one.
+    """Collects what handlers of Ctrl-C and SIGTERM raise; does nothing on other threads than the main one.
 
-    Handlers are called at once, as ever: one that raises nothing stops nothing. Those of C stay as they are.
+    Handlers still run at once, and one that raises nothing stops nothing. Handlers in C are left alone.
     """
 
     def __init__(self, caught: list[BaseException]) -> None:
-        """Takes the list to which errors are added; whoever made the call raises the first."""
+        """Takes the list to which errors are added; the caller of the native function then raises the first."""
         self._caught = caught
         self._former: dict[int, Callable[[int, FrameType | None], object]] = {}
 

@@ -71,7 +71,7 @@ class Descriptor:
         return unit_name(self.length_power)
 
     def unit_on(self, map_name: str) -> str:
-        """The unit of an operator on the map of another descriptor; of a descriptor of the surface, its own."""
+        """The unit of an operator on the map of another descriptor; a descriptor of the surface has its own unit."""
         powers = [row.length_power for row in descriptors() if row.name == map_name]
         return unit_name(self.length_power + self.map_degree * sum(powers))
 
@@ -124,7 +124,7 @@ def open_library(path: Path) -> ctypes.CDLL:
 
 
 def absent_sentence(path: Path) -> str:
-    """Says what to do if there is no library."""
+    """A sentence that says what to do if there is no library."""
     if platform.machine() not in MACHINES.get(sys.platform, ()):
         return f"native library missing – {offer()}; elsewhere build it with cmake, so that {path} exists."
     return (
@@ -134,7 +134,7 @@ def absent_sentence(path: Path) -> str:
 
 
 def offer() -> str:
-    """Says which release packages and wheels there are, and what this system is."""
+    """A sentence with the packages and wheels that releases contain, and the system this is."""
     return (
         "releases are for Linux, Windows and macOS on x86-64 and ARM64 (for Linux on ARM64 a wheel alone), and "
         f"this is {platform.system()} on {platform.machine()}"
@@ -199,7 +199,7 @@ def text(raw: bytes | None) -> str:
 
 
 def new_struct(library: ctypes.CDLL, kind: type[Struct]) -> Struct:
-    """A struct with the library's defaults, and room behind it for members that only a newer library knows."""
+    """A struct with the library's defaults, and with spare room for members that only a newer library knows."""
     room = (ctypes.c_ubyte * (sizeof(kind) + GROWTH_ROOM))()
     struct = kind.from_buffer(room)
     getattr(library, abi.STRUCTS[kind] + "_init")(byref(struct))

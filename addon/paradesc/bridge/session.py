@@ -47,7 +47,7 @@ class Field:
         return text(self._library.pdesc_field_device(self._pointer))
 
     def warnings(self) -> list[str]:
-        """One sentence each about what limits these results."""
+        """One sentence for each limit of these results."""
         return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
 
     def values(self, name: str) -> np.ndarray:
@@ -114,7 +114,7 @@ class Mesh:
         check(self._library, status)
 
     def set_displacement(self, heights: np.ndarray | None, midlevel: float = 0.5, scale: float = 1.0) -> None:
-        """Displaces the surface by (value - midlevel) scale of an image (height, width); None takes it away."""
+        """Displaces the surface by (value - midlevel) scale of an image (height, width); None removes the image."""
         array, pointer, height, width = image(heights, "heights", 2)
         status = self._library.pdesc_mesh_set_displacement(self._pointer, pointer, width, height, midlevel, scale)
         check(self._library, status)
