@@ -232,7 +232,7 @@ def report_of(baker: Baker, wanted: Sequence[int], made: list[Done]) -> dict[str
 
 
 def print_summary(report: dict, settings: job.Settings) -> None:
-    """Prints what was made, in a few lines."""
+    """Prints a summary of the baked frames in a few lines."""
     print(f'object "{report["object"]}": {len(report["made"]):,} frames made, {len(report["kept"]):,} kept')
     if report["made"]:
         seconds = report["seconds_per_frame"]

@@ -108,7 +108,7 @@ def write_line(path: Path, row: dict) -> None:
 
 
 def line_of(row: dict) -> str:
-    """A row as one line of JSON, with null for what is not a number."""
+    """A row as one line of JSON, in which null replaces numbers that are not finite."""
     return json.dumps(results.finite_only(row), ensure_ascii=False) + "\n"
 
 
@@ -128,7 +128,7 @@ def content_hash(path: Path) -> str:
 
 
 def buffers_beside(path: Path, content: bytes) -> list[Path]:
-    """The files that a .gltf names as its buffers; none of any other file, and of a damaged one."""
+    """The files that a .gltf names as its buffers; none for other formats or a damaged file."""
     if path.suffix.lower() != ".gltf":
         return []
     try:

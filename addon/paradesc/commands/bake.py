@@ -68,7 +68,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Reads the meshes, computes, and writes every output; gives the report."""
+    """Reads the meshes, computes, and writes every output; returns the report."""
     check(arguments)
     started = time.monotonic()
     onto = pairs.is_asked(arguments)
@@ -241,7 +241,7 @@ def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], war
 
 
 def print_summary(baked: results.Baked) -> None:
-    """Prints what was found, in a few lines."""
+    """Prints a summary of the results in a few lines."""
     found = baked.results
     mesh, field = found.mesh_report, found.field_report
     measured = "" if found.transfer is None else f', measured on "{found.transfer.sources[0]}"'

@@ -53,7 +53,7 @@ def exit_code(error: BaseException) -> int:
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
-    """Adds the options about what a command prints, and where."""
+    """Adds the options that control what a command prints, and where."""
     parser.add_argument(
         "--json", metavar="FILE", type=Path, help="write a report as JSON, also when it fails; - prints it"
     )
@@ -121,7 +121,7 @@ def saves_scene(arguments: argparse.Namespace) -> bool:
 
 
 def print_notes(sentences: list[str]) -> None:
-    """Prints what limits the results, one line each."""
+    """Prints one line for each limit of the results."""
     for sentence in filter(None, sentences):
         print(f"note: {sentence}")
 

@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def failed_checks(rows: list[dict[str, object]], largest: float | None) -> list[str]:
-    """A sentence for each descriptor whose mean error, or its absence, exceeds what was allowed."""
+    """A sentence for each descriptor whose mean error exceeds the allowed one, or is missing."""
     if largest is None:
         return []
     return [

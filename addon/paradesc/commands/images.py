@@ -105,7 +105,7 @@ def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple
 
 
 def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | None) -> dict[str, object]:
-    """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
+    """Writes descriptors as channels over the range of their colors; returns the file's row of the report."""
     sources = [(baked, name) for name in names]
     made = image_files.encoded(sources, baked.results.settings.options.texels, shown=shown)
     write_whole(path, made.content, Path.write_bytes)

@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuses what makes no sense, before any file is opened."""
+    """Refuses options that contradict each other, before any file is opened."""
     if arguments.scene_settings or arguments.shape_key:
         raise UsageError(
             "The files of a library have no scene and no shape keys; leave --scene-settings and --shape-key out."
@@ -202,7 +202,7 @@ def write_listing(path: Path, lines: dict[str, str]) -> None:
 def report(
     arguments: argparse.Namespace, work: Work, tally: Tally, listing: Path | None, seconds: float
 ) -> dict[str, object]:
-    """Prints what was done in a few lines; gives the report."""
+    """Prints a summary in a few lines; returns the report."""
     count, failures = len(tally.lines), tally.failures
     kept = count - tally.made
     print(f"{count:,} assets: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")

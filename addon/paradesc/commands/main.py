@@ -120,7 +120,7 @@ def reports_over_input(arguments: argparse.Namespace) -> bool:
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:
-    """Writes what a command has to report, if it was asked for."""
+    """Writes the report of a command, if it was asked for."""
     path: Path | None = getattr(arguments, "json", None)
     if path is None:
         return

@@ -52,7 +52,7 @@ def add_input(parser: argparse.ArgumentParser) -> None:
 
 
 def add_computation_options(parser: argparse.ArgumentParser) -> None:
-    """Adds what to compute, and how; what is not given is None, and settings_of() supplies it."""
+    """Adds the options of the computation. One that is not given is None, and settings_of() supplies it."""
     add = parser.add_argument
     add("--scene-settings", action="store_true",
         help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
@@ -132,7 +132,7 @@ def gigabytes(text: str) -> int:
 
 
 def add_map_options(parser: argparse.ArgumentParser) -> None:
-    """Adds images that change what is measured. compare has none, because the reference has no texels for them."""
+    """Adds images that change the measured surface. compare has none, as the reference has no texels for them."""
     add = parser.add_argument
     add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
     add("--midlevel", type=float, default=0.5, metavar="X", help="of the displacement (default: 0.5)")
@@ -142,7 +142,7 @@ def add_map_options(parser: argparse.ArgumentParser) -> None:
 
 
 def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None) -> job.Settings:
-    """The computation's settings; base supplies what is not given. Unknown descriptors are refused here."""
+    """The settings of the computation; base supplies options not given. Unknown descriptors raise an error."""
     base = base or job.Settings()
     names = base.descriptors
     if arguments.descriptors is not None:

@@ -66,7 +66,7 @@ def add_own_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Lists the tasks, or writes job descriptions; gives the report."""
+    """Lists the tasks, or writes job descriptions; returns the report."""
     words = own_options(arguments)
     check(arguments, words)
     written: list[Path] = []
@@ -209,7 +209,7 @@ def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.
 
 
 def chunks(frames: Sequence[int], longest: int) -> Iterator[range]:
-    """Divides frames, which may have gaps, into ranges of at most so many."""
+    """Divides frames, which may have gaps, into ranges of at most this length."""
     if isinstance(frames, range):
         for first in range(0, len(frames), longest):
             yield frames[first : first + longest]
