@@ -58,9 +58,9 @@ def stretches(corners: np.ndarray, uvs: np.ndarray) -> np.ndarray:
 
 
 def mean_edge_and_diagonal(arrays: bridge.MeshArrays, triangles: np.ndarray | None = None) -> tuple[float, float]:
-    """The mean edge length of the triangles, and the diagonal of the box of what they use; there has to be one.
+    """The mean edge length of the triangles, and the diagonal of their bounding box; there must be at least one.
 
-    triangles: (n, 3) vertices of those that are looked at, if not all are.
+    triangles: (n, 3) vertices of the triangles to look at, if not all of them.
     """
     corners = arrays.positions[arrays.triangle_vertices if triangles is None else triangles].astype(np.float64)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
@@ -99,9 +99,9 @@ def edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:
 def fitted_radius(
     arrays: bridge.MeshArrays, descriptors: Collection[str], size: str, largest: float = LARGEST_MASK_RADIUS
 ) -> tuple[float, float, float]:
-    """The radius that suits a mesh, what is measured and a size of SIZES; the mean edge; the diagonal: all lengths.
+    """The radius for a mesh, its descriptors and a size of SIZES; the mean edge; the diagonal: all as lengths.
 
-    Masks alone have small radii; whatever else is asked for gets the usual one, unless triangles are large.
+    Small radii are for masks alone. With other descriptors it is the usual radius, unless triangles are large.
     """
     edge, diagonal = edge_and_diagonal(arrays)
     if not descriptors or not set(descriptors) <= MASKS.keys():

@@ -11,7 +11,7 @@ from ..bridge import ParadescError, abi
 from .color_maps import Levels, Look
 from .job import Settings
 
-# Digits of a percentage that a person wrote. A 32-bit float of the panel that has more stays what it is.
+# The digits of a percentage that a person may have typed. A 32-bit float with more digits is not rounded.
 WRITTEN = 9
 
 
@@ -32,7 +32,7 @@ def scaled_radius(group: object, radius: float) -> float:
 
 
 def more_radii(group: object) -> tuple[float, ...]:
-    """The further radii in the unit of the computation; raises one sentence about what is not a number."""
+    """The further radii in the unit of the computation; raises one sentence about a part that is not a number."""
     radii = []
     for word in group.more_radii.replace(";", ",").split(","):
         try:
@@ -49,7 +49,7 @@ def more_radii(group: object) -> tuple[float, ...]:
 
 
 def settings_fault(group: object) -> str:
-    """One sentence about settings that are each within their limits but do not fit together, or ""."""
+    """One sentence about a fault that the limits of single settings do not rule out, or ""."""
     try:
         more_radii(group)
     except ParadescError as error:
@@ -79,7 +79,7 @@ def settings_of(group: object, memory_limit: int = 0) -> Settings:
 
 
 def look_fault(group: object) -> str:
-    """One sentence about color settings that are each within their limits but do not fit together, or ""."""
+    """One sentence about a fault that the limits of single color settings do not rule out, or ""."""
     if group.span == "fixed" and not group.maximum > group.minimum:
         return f"The range ends at {group.maximum:g}, which is not above {group.minimum:g}; set a larger maximum."
     return ""

@@ -107,7 +107,7 @@ class ValueRange:
 
 @dataclass(frozen=True)
 class Look:
-    """How values become colors, as asked for: the map, and what its ends stand for."""
+    """How values become colors: the choice of a map, and of the values at its ends."""
 
     color_map: str = AUTOMATIC
     percentile: float | None = None  # per cent of the values left outside on either side; None: as suits the descriptor
@@ -352,7 +352,7 @@ def colors(values: np.ndarray, shown: ValueRange) -> np.ndarray:
 
 
 def linear_rgba(display: np.ndarray) -> np.ndarray:
-    """(n, 3) display colors to (n, 4) float32 scene-linear ones, opaque: what Blender's FLOAT_COLOR holds."""
+    """(n, 3) display colors to (n, 4) float32 scene-linear opaque ones, as in Blender's FLOAT_COLOR attributes."""
     rgba = np.ones((len(display), 4), np.float32)
     rgba[:, :3] = srgb_to_linear(display)
     return rgba

@@ -34,7 +34,7 @@ class Errors:
 
 
 def denominator(reference: np.ndarray, descriptor: Descriptor, radius: float) -> float:
-    """The denominator of errors: the range of the (n,) defined reference values, or what stands in for it."""
+    """The denominator of errors: the range of the (n,) defined reference values, or its substitute."""
     if reference.size == 0:
         return 1.0
     largest = float(np.abs(reference).max())

@@ -17,7 +17,7 @@ from ..bridge import ParadescError, abi
 # These errors say nothing against the device on which they happened.
 HARMLESS = {abi.STATUS_CANCELLED, abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALID_OPERATION}
 
-# So many unused contexts are kept, those that were used last.
+# So many unused contexts are kept: the most recently used ones.
 MOST_IDLE = 4
 
 Key = tuple[str, int, int, int]  # backend and device, as asked for, the memory limit and the number of threads

@@ -94,7 +94,7 @@ def places(positions: np.ndarray, step: Callable[[], None]) -> tuple[np.ndarray,
 
 @dataclass
 class Heights:
-    """An order of places by value; of equal values, the place whose vertex comes first is higher."""
+    """Orders places: the one with the larger value is higher, or with equal values the one whose vertex comes first."""
 
     value: np.ndarray  # (place_count,) float64
     first: np.ndarray  # (place_count,) the first vertex of each
@@ -161,7 +161,7 @@ def has_higher(
     radius: float,
     step: Callable[[], None],
 ) -> np.ndarray:
-    """(candidates,) bool: a higher place is reached by edges that stay in the ball around the candidate.
+    """(candidates,) bool: whether a higher place can be reached by edges inside the ball around the candidate.
 
     Places (n,) are reached ring by ring, for many candidates at once; a neighbor of a ring is in it or beside it.
     """

@@ -14,7 +14,7 @@ PREPARING = 0.24  # normals and order of the samples, once a frame
 EVALUATING = 1.0  # one descriptor at one radius, however few the samples; the radius itself changes next to nothing
 EVALUATING_SAMPLE = 0.0016  # for each sample more
 READING = 3.0  # an .obj; others are faster
-# Shares of evaluating that further descriptors cost beside the first.
+# The cost of each further descriptor, as a share of the first one's evaluation.
 MORE_DESCRIPTORS = 0.15
 OPERATORS = 1.7  # operators on a map: two passes over the surface
 # Seconds.

@@ -56,7 +56,7 @@ def run(
 
 
 def check(arrays: MeshArrays, settings: job.Settings) -> None:
-    """Refuses what is not measured at faces."""
+    """Refuses settings that cannot be computed at faces."""
     options = settings.options
     if job.backend_for(settings) != "cpu" or options.evaluate != "vertex":
         sentence = "Values at faces are computed on the processor alone"

@@ -13,8 +13,8 @@ from .color_maps import EDGES
 # The types of job.py, which is built on this.
 Settings, Results = TypeVar("Settings"), TypeVar("Results")
 
-# Edges of thin parts are wider than the parts at a radius that suits the mesh elsewhere: it is halved so many times at most
-# where a mask is brighter than half on more than this share of the surface.
+# At a radius that suits the rest of the mesh, edges of thin parts are wider than the parts. So the radius is halved, at
+# most so many times, where a mask is brighter than half on more than this share of the surface.
 HALVINGS, MOST_BRIGHT, WORTH_HALVING = 3, 0.4, 0.05
 NARROWED = ("fine", "medium")
 # Settings whose radius has been fitted to a mesh have this word in place of a size.
@@ -24,7 +24,7 @@ FITTED = "fitted"
 def fitted(settings: Settings, arrays: MeshArrays, largest: float = advice.LARGEST_MASK_RADIUS) -> Settings:
     """The settings with the radius that suits this mesh, if they ask for one, in their own unit."""
     if settings.radius_fit not in advice.SIZES or not np.isfinite(arrays.positions).all():
-        return settings  # the library refuses the mesh, and names the position that is no number
+        return settings  # the library refuses this mesh, and names the invalid position
     radius, edge, diagonal = advice.fitted_radius(arrays, settings.descriptors, settings.radius_fit, largest)
     unit = {"diagonal": diagonal, "mean-edge": edge}.get(settings.options.radius_unit, 1.0)
     return replace(settings, options=replace(settings.options, radius=radius / unit), radius_fit=FITTED)

@@ -101,9 +101,9 @@ class Results:
     field_report: dict[str, float | int]  # of the first radius
     backend: str
     device: str
-    warnings: list[str]  # what limits the results
-    notes: list[str] = field(default_factory=list)  # what was measured, and what had no effect
-    shape_notes: list[str] = field(default_factory=list)  # what the mesh lacks where its values are taken as they are
+    warnings: list[str]  # limits of the results
+    notes: list[str] = field(default_factory=list)  # facts about the measurement, and options without effect
+    shape_notes: list[str] = field(default_factory=list)  # defects of the mesh that limit values
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
@@ -111,7 +111,7 @@ class Results:
     layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
 
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
-    unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
+    unwrapped: bridge.Layout | None = None  # the layout that was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
     areas_of: Callable[[], np.ndarray] | None = None  # gives areas, if masks are among the values
     texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
@@ -144,12 +144,12 @@ class Results:
 
     @property
     def areas(self) -> np.ndarray | None:
-        """(vertex_count,) float64 of the surface around each vertex: live values seldom need what takes so long."""
+        """(vertex_count,) float64 area around each vertex, computed on demand, as live values seldom need it."""
         return None if self.areas_of is None else self.areas_of()
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
-        """The values that are written beside the descriptors, each (vertex_count,) float32."""
+        """The attributes that are written besides the descriptors, each (vertex_count,) float32."""
         painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
         return {"coverage": self.coverage, UNDEFINED_MASK: self.undefined, **painted}
 

@@ -10,7 +10,7 @@ from . import advice
 
 # A vertex counts as one on an edge from this angle between two of its faces on, so that those of a rounded edge do too.
 BEND = np.radians(10.0)
-# A face is large if its longest edge has so many radii that suit the mesh's masks.
+# A face is large if its longest edge is so many times the radius of the mesh's masks.
 LARGE = 4.0
 # From this share of the area on, large faces with such corners are what one sees: a fort has 0.3, a beveled crate 1, a
 # head of 500 vertices 0.12, and a cartoon fox 0.01.

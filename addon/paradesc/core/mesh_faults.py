@@ -6,7 +6,7 @@ FEW = 0.01
 MANY_WITHOUT_AREA = 0.01
 # A mesh has fallen apart if it has this many parts for each triangle: two triangles of a card are one part.
 APART = 0.6
-# Fewer triangles than these are no surface that could fall apart.
+# A mesh with fewer triangles than this cannot fall apart.
 LEAST = 8
 
 

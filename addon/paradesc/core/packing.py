@@ -60,7 +60,7 @@ def place(extent: np.ndarray, gutter: float) -> tuple[np.ndarray, float]:
 
 
 def rows(boxes: np.ndarray, scale: float, gutter: float) -> np.ndarray | None:
-    """The low corners (n, 2) of boxes packed in rows, in the given order; None if they do not fit."""
+    """The low corners (n, 2) of boxes in rows; the highest boxes come first. None if they do not fit."""
     widths, heights = scale * boxes[:, 0] + gutter, scale * boxes[:, 1] + gutter
     if gutter + widths.max() > 1:
         return None

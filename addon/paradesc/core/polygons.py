@@ -49,7 +49,7 @@ class PolygonMesh:
     sizes: np.ndarray  # (face_count,) int64 corners of each face
     corner_uvs: np.ndarray | None = None  # (corner_count, 2) float32
     corner_normals: np.ndarray | None = None  # (corner_count, 3) float32 unit
-    notes: list[str] = field(default_factory=list)  # what was left out of the file
+    notes: list[str] = field(default_factory=list)  # parts of the file that were left out
 
     def arrays(self) -> MeshArrays:
         """The mesh as triangles, which keep its vertices and corners; without its normals."""
@@ -169,7 +169,7 @@ class Ears:
         return triangles
 
     def tips(self) -> np.ndarray:
-        """(g,) the best ear of each polygon; where none is known, all corners are looked at anew."""
+        """(g,) the best ear of each polygon; if none is known, all its corners are scored again."""
         unknown = np.flatnonzero((self.scores.max(axis=1) <= 0) & ~self.hopeless)
         if unknown.size:
             for corner in range(self.points.shape[1]):
@@ -179,7 +179,7 @@ class Ears:
         return self.scores.argmax(axis=1)
 
     def score(self, rows: np.ndarray, corners: np.ndarray) -> np.ndarray:
-        """(r,) how well shaped the triangles at these corners are; not above 0 where they are no ears."""
+        """(r,) how well shaped the triangles at these corners are; at most 0 for corners that are not ears."""
         a = self.points[rows, self.before[rows, corners]][:, None]
         b = self.points[rows, corners][:, None]
         c = self.points[rows, self.after[rows, corners]][:, None]

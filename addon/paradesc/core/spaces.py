@@ -22,7 +22,7 @@ def is_even(matrix: np.ndarray) -> bool:
 
 
 def check_scale(matrix: np.ndarray, name: str) -> None:
-    """Refuses an object's matrix that flattens it."""
+    """Refuses a matrix that is not finite or that flattens the object of this name."""
     linear = np.asarray(matrix, np.float64)[:3, :3]
     if np.isfinite(linear).all():
         found = scales(linear)

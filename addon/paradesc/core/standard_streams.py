@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def quiet(verbose: bool) -> Iterator[None]:
-    """Throws away what is written to file descriptors 1 and 2, from C as well, unless verbose."""
+    """Discards output to file descriptors 1 and 2, from C as well, unless verbose."""
     if verbose:
         yield
         return
@@ -34,6 +34,6 @@ def quiet(verbose: bool) -> Iterator[None]:
 
 
 def flush_c() -> None:
-    """Writes what C's own buffers still hold, if Python can reach the C library of the process."""
+    """Flushes C's own buffers, if Python can reach the C library of the process."""
     with contextlib.suppress(OSError, TypeError, AttributeError):
         ctypes.CDLL(None).fflush(None)

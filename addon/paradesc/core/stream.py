@@ -117,7 +117,7 @@ class Stream:
             self._mesh = None
 
     def close(self) -> None:
-        """Frees the mesh and gives the device back."""
+        """Frees the mesh and returns the device."""
         self.forget()
         self._lease.close()
 

@@ -67,7 +67,7 @@ def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunctio
 
 
 def joined(results: job.Results, of_texels: job.Results) -> job.Results:
-    """The results at vertices with the maps of those at texels, and what the reports say of both."""
+    """The results at vertices with the maps from texels, and the reports of both."""
     one, other = results.field_report, of_texels.field_report
     seconds = {name: one[name] + other[name] for name in one if name.startswith("seconds_")}
     same = [line for line in of_texels.warnings if line not in results.warnings]
@@ -106,7 +106,7 @@ def centers_for(
 
 
 def least_radius(arrays: MeshArrays, settings: job.Settings) -> float:
-    """About the smallest of the radii as a length; the native library measures only what a face uses, as this does."""
+    """The smallest radius as a length, approximately. Like the native library, this ignores unused vertices."""
     options = settings.options
     radius = min((options.radius, *settings.more_radii))
     if options.radius_unit == "absolute":

@@ -82,7 +82,7 @@ def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
 
 
 class Worker(Generic[Result]):
-    """One piece of work on a thread of its own, so that a window goes on; use it from the thread that made it."""
+    """Work on a thread of its own, so that a window stays responsive. Use it only from the thread that made it."""
 
     def __init__(self, work: Callable[[ProgressFunction], Result], name: str = "paradesc") -> None:
         """Takes the work, which is called with a progress function that gives False once it has to stop."""
@@ -111,7 +111,7 @@ class Worker(Generic[Result]):
         self._thread.join()
 
     def result(self) -> Result:
-        """Waits for the end; gives the result or raises the error. After cancel() it always raises, however late."""
+        """Waits for the end; returns the result or raises the error. After cancel() it raises in any case."""
         self.join()
         if self._cancelled.is_set():
             raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")

@@ -231,7 +231,7 @@ def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], names: list[str]) -> Results:
-    """The results at the coarse mesh's vertices, with what the reports say of the detailed ones."""
+    """The results at the low-poly mesh's vertices, with the reports of the detailed meshes."""
     values = {name: hits.values(column) for name, column in surface.values.items()}
     coverage = values.pop("coverage")
     first = found[0]
@@ -286,7 +286,7 @@ def over_uv_map(surface: Surface, hits: bridge.Hits, covered: np.ndarray, cage: 
 
 
 def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:
-    """The image (N, N, 1 or 3) in which texels that met nothing (N, N) have values from beside them, as gutters do."""
+    """The image (N, N, 1 or 3) in which texels that met nothing (N, N) take values from neighbors, as gutters do."""
     if not missed.any():
         return image
     there = np.where(np.isfinite(image[:, :, :1]), np.float32(1.0), np.float32(np.nan))

@@ -271,7 +271,7 @@ def cut(uvs: np.ndarray, tile: int) -> Cut:
 def beside(
     number: np.ndarray, places: np.ndarray, weights: np.ndarray, axis: int, limit: float, side: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The parts of triangles (k, 3, 2) on one side of a line u = limit or v = limit, with their numbers and weights."""
+    """The parts of triangles (k, 3, 2) on one side of a line u = limit or v = limit, their numbers and weights."""
     depth = side * (places[:, :, axis] - limit)
     count = (depth >= 0).sum(axis=1)
     parts = [(number[count == 3], places[count == 3], weights[count == 3])]
