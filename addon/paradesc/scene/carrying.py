@@ -23,7 +23,7 @@ MODIFIER = "Paradesc"
 CARRIER = "Values"
 # The type of the sockets, and of the switch, for each type of an attribute.
 SOCKETS = {"FLOAT": ("VALUE", "FLOAT"), "FLOAT_VECTOR": ("VECTOR", "VECTOR"), "FLOAT_COLOR": ("RGBA", "RGBA")}
-# The custom property that marks a group as ours.
+# The custom property with the digest of a group's structure as we made it.
 LEFT = "paradesc_left"
 # The custom property with the attributes that a group stores, and how.
 STORED = "paradesc_stored"
@@ -92,7 +92,7 @@ class Measured:
 
 
 def emptied(target: bpy.types.Object) -> bpy.types.Mesh:
-    """An empty mesh for what carry() is given: that of the object's carrier if it is free, else a new one."""
+    """An empty mesh for carry(): that of the object's carrier if nothing else uses it, else a new one."""
     group = own_group(target)
     if group is None:
         return bpy.data.meshes.new(f"{target.name} {CARRIER}")
@@ -167,7 +167,7 @@ def sharing(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:
 
 
 def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
-    """The group that carries the object's values, if only objects with its mesh use it, and only it its carrier."""
+    """The group with the object's values, if only objects with its mesh use it, and nothing else its carrier."""
     modifier = modifier_of(target)
     if modifier is None:
         return None

@@ -1,4 +1,4 @@
-"""Puts textures into a material: labelled nodes in a frame, linked to the inputs of our groups that take such masks."""
+"""Adds textures to a material: labelled nodes in a frame, linked to those inputs of our groups that take masks."""
 
 from dataclasses import dataclass
 
@@ -108,7 +108,7 @@ def is_as_left(node: bpy.types.Node) -> bool:
 def add(
     tree: bpy.types.NodeTree, kind: str, label: str, column: int, beside: bpy.types.Node | None = None
 ) -> bpy.types.Node:
-    """Adds a node in a column of our frame, below those that are there or beside one of them."""
+    """Adds a node in a column of our frame, below the existing ones or beside one of them."""
     frame = next((node for node in tree.nodes if node.type == "FRAME" and OWN in node), None)
     rows = [place_of(node) for node in tree.nodes if frame is not None and node.parent == frame]
     if rows:

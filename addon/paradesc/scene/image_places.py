@@ -1,4 +1,4 @@
-"""Finds the names of textures: those of an earlier bake of the object, as it left them, or names that are free."""
+"""Finds names for textures: those of the object's earlier, unchanged bake, or free ones."""
 
 import re
 from pathlib import Path

@@ -91,7 +91,7 @@ def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 
 def sound_maps(mesh: bpy.types.Mesh, triangle_corners: np.ndarray) -> list[str]:
-    """The names of the UV maps besides the active one that can be computed on."""
+    """The names of the other UV maps than the active one that are usable."""
     others = [layer for layer in mesh.uv_layers if layer != mesh.uv_layers.active]
     return [layer.name for layer in others if not uv_faults.fault(unwrap.read_uvs(layer), triangle_corners)]
 
@@ -277,7 +277,7 @@ def write_values(
     shown: dict[str, color_maps.ValueRange],
     at: dict[str, str],
 ) -> None:
-    """Fills the attributes, which exist by now: making one would move the values of the others in memory."""
+    """Fills the attributes. They all exist already, as creating one would move the others' values in memory."""
     for name, own in values.items():
         set_values(mesh.attributes[at[name]], own)
         write_colors(mesh, at[name], own, shown[name])

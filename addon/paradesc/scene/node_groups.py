@@ -3,7 +3,7 @@
 import bpy
 
 SOCKETS = {"float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
-# The custom property of our node groups and materials that says what they are, whatever their name.
+# The custom property that says what a node group or material of ours is, whatever its name.
 MARK = "paradesc_kind"
 
 

@@ -111,7 +111,7 @@ def imported(path: Path, faces: int) -> list[str]:
 
 
 def begins_with_mark(path: Path) -> bool:
-    """Whether a text begins with a byte order mark, behind which Blender's .obj importer misses the first word."""
+    """Whether a text begins with a byte order mark, after which Blender's .obj importer misreads the first line."""
     with path.open("rb") as file:
         return file.read(len(MARK)) == MARK
 

@@ -18,10 +18,10 @@ MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PA
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The mesh objects that a bake takes: the selected ones, the active one first; in other modes those in the mode.
+    """The mesh objects that a bake takes: the selected ones, active first; outside object mode, those in the mode.
 
-    Where no mesh is selected it is the active object, or the only mesh that an armature or an empty carries: importers
-    make these the active ones.
+    If no mesh is selected, it is the active object, or the only mesh below an active armature or empty, which importers
+    make active.
     """
     active = context.active_object
     if active is not None and active.type == "MESH" and active.mode == "EDIT":

@@ -1,4 +1,4 @@
-"""Makes a layout for a mesh without a usable UV map: Blender unwraps a copy, and the layout is kept out of sight."""
+"""Makes a layout for a mesh without a usable UV map: Blender unwraps a copy, and a hidden attribute keeps it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -140,7 +140,7 @@ def failure(why: str) -> ParadescError:
 def weld(
     positions: np.ndarray, corner_vertices: np.ndarray, face_of_corner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Merges vertices at one place, which files split: gives positions (n, 3) and corners. Faces stay whole."""
+    """Merges vertices at one place, which files may split; returns positions (n, 3) and corners. Faces stay whole."""
     order = np.lexsort(positions.T)
     along = positions[order]
     first = np.append(True, (along[1:] != along[:-1]).any(axis=1))
@@ -168,7 +168,7 @@ def repeating_faces(corner_vertices: np.ndarray, face_of_corner: np.ndarray) -> 
 def unwrapped(
     positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray, gutter: float = packing.GUTTER
 ) -> np.ndarray:
-    """(corner_count, 2) float32 layout by Blender's operators, on a mesh that exists only meanwhile."""
+    """(corner_count, 2) float32 layout by Blender's operators, on a temporary mesh."""
     mesh = bpy.data.meshes.new(TEMPORARY)
     try:
         fill(mesh, positions, corner_vertices, sizes)

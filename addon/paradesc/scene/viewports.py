@@ -1,6 +1,6 @@
-"""Lets the viewports show what a bake painted, in flat light, and brings back how they looked before.
+"""Makes viewports show baked colors in flat light, and restores their former shading.
 
-Undo takes a bake's colors away but leaves the viewports as they are, so they follow it here.
+Undo removes a bake's colors but leaves the viewports as they are, so handlers here update them.
 """
 
 from collections.abc import Iterator
