@@ -13,7 +13,7 @@ def clear_at_end(classes: list[type]) -> None:
 
 
 def clear(classes: list[type]) -> None:
-    """Removes the properties from classes that are not registered any more, unless Blender runs by itself."""
+    """Removes the properties from classes that are no longer registered, unless this is the Blender executable."""
     if bpy.app.binary_path:
         return
     for cls in classes:

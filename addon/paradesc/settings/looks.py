@@ -1,4 +1,4 @@
-"""The settings of a scene that say how values become colors, and what they mean for the color maps."""
+"""The settings of a scene that define how values become colors."""
 
 from collections.abc import Callable
 
