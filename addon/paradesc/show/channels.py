@@ -67,7 +67,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
 
 
 def float_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The vertex attributes with one float each, whoever made them."""
+    """The vertex attributes with one float each, ours or not."""
     return [item.name for item in mesh.attributes if arrays.kind_of(item) == ("FLOAT", "POINT")]
 
 
@@ -113,7 +113,7 @@ def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str,
 
 
 def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
-    """Copies a descriptor's colors to face corners in 8 bits, as vertex paint has them; gives the attribute's name."""
+    """Copies a descriptor's colors to face corners in 8 bits, like vertex paint; returns the attribute's name."""
     colors = arrays.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
     attribute = own_attribute(mesh, name + SUFFIX_CORNER, "BYTE_COLOR", "CORNER").name
     arrays.set_values(mesh.attributes[attribute], spread(mesh, colors, "CORNER"))

@@ -1,6 +1,6 @@
-"""Puts dirt and worn edges between a material's own colors and its shader, by the masks of a bake, and takes them out.
+"""Inserts dirt and worn edges, by the masks of a bake, between a material's colors and its shader, and removes them.
 
-Colors and levels of looks are not written here: they are inputs of the group and of the materials in the assets.
+Colors and levels of looks are not in this file: they are inputs of the group and of the materials in the assets.
 """
 
 from collections.abc import Iterable, Iterator
