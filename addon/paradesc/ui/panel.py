@@ -36,7 +36,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         row.operator("paradesc.manual", text="", icon="QUESTION", emboss=False)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draws what an artist needs, in the order of the work, and what stands in the way."""
+        """Draws the settings that artists need, in the order of the work, and the obstacles to a bake."""
         layout, settings = self.layout, context.scene.paradesc
         missing = bridge.missing_sentence()
         if missing:

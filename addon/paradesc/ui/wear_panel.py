@@ -17,7 +17,7 @@ class PARADESC_MT_wear(bpy.types.Menu):
 
 
 def draw_wear(layout: bpy.types.UILayout) -> None:
-    """Draws the button, and the menu beside it."""
+    """Draws the button, and the menu of looks beside it."""
     row = layout.row(align=True)
     row.operator("paradesc.add_wear", icon="NODE_MATERIAL")
     row.menu("PARADESC_MT_wear", text="", icon="DOWNARROW_HLT")
