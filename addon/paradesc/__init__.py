@@ -109,7 +109,7 @@ def modules() -> list[ModuleType]:
 
 
 def register() -> None:
-    """Registers every module's classes, then what it adds to Blender besides; a stand-in if any cannot be imported."""
+    """Registers every module's classes, then its further additions; if an import fails, a stand-in that says why."""
     import bpy
 
     try:

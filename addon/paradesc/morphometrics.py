@@ -56,7 +56,7 @@ def command(configfile: str, surface: str | None, radius: float | None, force: b
 
 
 def measure(path: Path, hit: float, radius: float, force: bool) -> list[Path]:
-    """Writes the results of one surface beside it; gives the paths."""
+    """Writes the results of one surface beside it; returns the paths."""
     from .bridge import InputError
     from .files import mesh_files, vtk_files
     from .files.results import write_whole

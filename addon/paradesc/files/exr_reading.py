@@ -51,7 +51,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
 
 
 def header_of(content: bytes) -> Header:
-    """Reads the attributes; refuses what is stored in another way."""
+    """Reads the attributes; raises if the file is stored in a way that is not supported."""
     magic, version = struct.unpack_from("<2i", content)
     if magic != MAGIC:
         raise ValueError("it is no OpenEXR file")

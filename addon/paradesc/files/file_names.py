@@ -32,9 +32,9 @@ def with_digest(beginning: str, name: str) -> str:
 
 
 def folder_name(name: str, there: set[str]) -> str:
-    """The name of an object's folder among those that are there.
+    """The name for an object's folder, next to those that exist.
 
-    It gets a digest added if some file system would change it, or take it for another that is there.
+    A digest is appended if some file system would change the name, or take it for an existing one.
     """
     plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
     alike = {one for one in there if folded(one) == folded(plain)}
@@ -44,7 +44,7 @@ def folder_name(name: str, there: set[str]) -> str:
 
 
 def names_in(folder: Path) -> set[str]:
-    """The names of what lies in a folder; none where it cannot be read."""
+    """The names of a folder's entries; empty if it cannot be read."""
     with suppress(OSError):
         return {path.name for path in folder.iterdir()}
     return set()

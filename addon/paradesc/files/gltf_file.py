@@ -31,7 +31,7 @@ MOST_PLACES = 1 << 20
 
 
 class UnknownError(ValueError):
-    """The file may be sound, but has what this reader does not know."""
+    """The file may be valid, but uses a feature that this reader does not know."""
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Document:
     buffers: dict[int, bytes] = field(default_factory=dict)
 
     def buffer(self, index: int) -> bytes:
-        """The bytes of a buffer: those of the .glb, those that its address holds, or a file's beside it."""
+        """The bytes of a buffer: from the .glb itself, from its data URI, or from a file beside it."""
         if index not in self.buffers:
             row = self.header["buffers"][index]
             found = self.binary if "uri" not in row else addressed(self.path, row["uri"])
@@ -142,7 +142,7 @@ def opened(path: Path) -> Document:
 
 
 def check(header: dict) -> None:
-    """Refuses what would be read wrong without anybody noticing."""
+    """Refuses files that would be misread without anybody noticing."""
     check_version(str(header.get("asset", {}).get("version", "2.0")))
     unknown = [name for name in map(str, header.get("extensionsRequired", [])) if not name.startswith(HARMLESS)]
     if unknown:
@@ -163,7 +163,7 @@ def unescaped(address: str) -> bytes:
 
 
 def buffer_path(path: Path, uri: str) -> Path:
-    """The file beside a .gltf that an address names, with escapes or without."""
+    """The path of a file beside the .gltf that a URI names, with escapes or without."""
     beside = path.parent / unescaped(uri).decode("utf-8", "replace")
     return beside if is_file(beside) else path.parent / uri
 

@@ -109,7 +109,7 @@ class Computed:
 
 @dataclass
 class Textures:
-    """All textures of one object, and what they were made from."""
+    """All textures of one object, with the results from which they were made."""
 
     results: job.Results
     made: list[Texture]  # the tiles of one image follow each other

@@ -32,7 +32,7 @@ def text_width(text: str, scale: int) -> int:
 
 
 def draw_text(image: np.ndarray, text: str, left: int, top: int, scale: int, color: tuple[int, int, int]) -> None:
-    """Writes a line of text into a (height, width, 3) uint8 image; what lies outside is cut off."""
+    """Writes a line of text into a (height, width, 3) uint8 image; parts outside of it are cut off."""
     for index, letter in enumerate(text.lower()):
         columns = GLYPHS.get(letter, GLYPHS[" "])
         dots = np.array([[(column >> row) & 1 for column in columns] for row in range(HEIGHT)], bool)

@@ -37,7 +37,7 @@ class MapChoice:
 
 
 def of_files(choice: MapChoice, maps: SurfaceMaps, read: Reader) -> list[str]:
-    """Fills the maps from image files, whose values are taken as they are; gives a sentence about each."""
+    """Fills the maps from image files, with their values unchanged; returns a note about each."""
     notes = []
     if choice.displacement is not None:
         pixels, fine = read(choice.displacement)

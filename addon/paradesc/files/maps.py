@@ -190,7 +190,7 @@ def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
 
 
 def write_buffers(folder: Path, baked: Baked) -> list[Path]:
-    """Writes buffers.npz, rows from v = 0 up, and a PNG of every buffer and descriptor; gives their paths."""
+    """Writes buffers.npz, rows from v = 0 up, and a PNG of every buffer and descriptor; returns their paths."""
     folder.mkdir(exist_ok=True)
     paths = [folder / "buffers.npz"]
     write_whole(paths[0], baked, write_raw_buffers)

@@ -59,7 +59,7 @@ def read(path: Path) -> list[tuple[str, PolygonMesh]]:
 
 
 def lines_of(content: bytes) -> Lines:
-    """Sorts the lines; what draws nothing is left out, and faces that count backwards are made to count from 1."""
+    """Sorts the lines. Lines that draw nothing are dropped; faces with negative numbers get positive ones."""
     found = Lines()
     by_word = {b"v": found.vertices, b"vt": found.uvs, b"vn": found.normals, b"f": found.faces}
     for line in content.split(b"\n"):
@@ -90,7 +90,7 @@ def counted_from_one(face: bytes, counts: tuple[int, int, int]) -> bytes:
 
 
 def line_at(content: bytes, word: bytes, place: int) -> tuple[int, bytes]:
-    """The number, from 1, and the text of a line: the one at this place among those that begin with this word."""
+    """The number, from 1, and the text of a line, given by its index among the lines with this first word."""
     number = 1
     for line in content.replace(b"\\\n", b"\\").split(b"\n"):  # a backslash ends no line
         if line.replace(b"\\", b" ").split(None, 1)[:1] == [word]:
@@ -102,7 +102,7 @@ def line_at(content: bytes, word: bytes, place: int) -> tuple[int, bytes]:
 
 
 def positions(lines: list[bytes]) -> np.ndarray:
-    """(n, 3) positions of lines of numbers; what follows these (weights, colors) is left out."""
+    """(n, 3) positions of lines of numbers; further numbers (weights, colors) are ignored."""
     try:
         rows = rows_of(lines)
     except ValueError:
@@ -178,7 +178,7 @@ def texture_vertices(lines: list[bytes], corners: np.ndarray, notes: list[str]) 
 
 
 def normals_of(lines: list[bytes], corners: np.ndarray, notes: list[str]) -> np.ndarray | None:
-    """(n, 3) float32 normals, or None with a note where they are damaged or not those that corners (n,) name."""
+    """(n, 3) float32 normals; None, with a note, if they are damaged or if corners (n,) name missing ones."""
     missing = (corners < 0) | (corners > len(lines))
     try:
         rows = rows_of(lines)

@@ -77,7 +77,7 @@ def read(path: Path) -> PolygonMesh | None:
 
 
 def opened(content: bytes) -> tuple[list[Element], str, bytes]:
-    """The tables that a header describes, the order of their bytes, and what follows the header."""
+    """The tables that a header describes, the byte order, and the bytes after the header."""
     content = content.removeprefix(MARK)
     begin = FIRST_LINE.match(content)
     if begin is None:
@@ -219,7 +219,7 @@ def read_uneven(body: bytes, at: int, element: Element) -> tuple[Columns, int]:
 
 
 def gathered(body: bytes, places: np.ndarray, sizes: np.ndarray, kind: np.dtype) -> np.ndarray:
-    """The numbers at places (n,) in bytes, so many each (n,), one list after the other."""
+    """The numbers at places (n,) in bytes, as many as the list at each has (n,), one list after the other."""
     raw = np.frombuffer(body, np.uint8)
     values = np.empty(int(sizes.sum()), kind)
     begin = np.cumsum(sizes) - sizes

@@ -39,7 +39,7 @@ class Header:
         return CHANNELS[self.kind]
 
     def row_bytes(self, width: int) -> int:
-        """Bytes of a row of so many pixels, without its filter."""
+        """The bytes in a row of this many pixels, without its filter."""
         return -(-width * self.channels * self.depth // 8)
 
     def parts(self) -> list[tuple[slice, slice, int, int]]:

@@ -21,7 +21,7 @@ from .paths import is_file, is_folder
 from .results import write_whole
 
 SUFFIX = ".json"
-# The key that tells a preset from any other JSON, and the newest version of the format.
+# The key that distinguishes a preset from other JSON, and the newest version of the format.
 MARK, VERSION = "paradesc_preset", 1
 SECTIONS = ("settings", "colors", "image")
 LARGEST_FILE = 1_000_000  # bytes
@@ -29,12 +29,12 @@ LONGEST_NAME, LONGEST_PURPOSE, LONGEST_TEXT = 60, 500, 1000
 # More digits than any setting has. Python takes long to parse numbers with many more.
 MOST_DIGITS = 30
 LARGEST_NUMBER = 3.4e38  # 32-bit floats end just above
-# A file name has to leave room for the suffix, and for what stands around it while the file is written.
+# A file name must leave room for its suffix and for the additions of a temporary file.
 LONGEST_STEM = 100  # bytes
 
 
 class PresetError(InputError):
-    """The file cannot be used as a preset; the sentence says which file, why, and what to do."""
+    """The file cannot be used as a preset. The sentence names the file and the fault, and says what to do."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def read(path: Path) -> Content:
 
 
 def text_in(path: Path, kind: str) -> str:
-    """The text of a file that is no larger than a preset can be, without a byte order mark at its beginning."""
+    """The text of a file, without a byte order mark; raises if it is larger than any preset."""
     try:
         if is_folder(path):
             refuse(path, "is a folder; choose a file in it")
@@ -133,7 +133,7 @@ def text_in(path: Path, kind: str) -> str:
 
 
 def parsed(path: Path, text: str) -> object:
-    """The JSON of a text, without what Python reads beyond the standard."""
+    """The JSON of a text, without Python's extensions to the standard."""
     try:
         return json.loads(
             text, object_pairs_hook=single, parse_int=whole, parse_float=finite, parse_constant=no_constant

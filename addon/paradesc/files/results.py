@@ -233,7 +233,7 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 
 
 def write_json(path: Path, content: object) -> None:
-    """Writes plain Python as JSON, with null for what is not a number."""
+    """Writes plain Python as JSON, in which null replaces numbers that are not finite."""
     write_text(path, json_text(content))
 
 
@@ -243,7 +243,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def json_text(content: object, ascii_only: bool = False) -> str:
-    """Plain Python as JSON, with null for what is not a number; ascii_only: for consoles of any alphabet."""
+    """Plain Python as JSON, with null for numbers that are not finite; ascii_only: for consoles of any encoding."""
     return json.dumps(finite_only(content), indent=2, ensure_ascii=ascii_only) + "\n"
 
 

@@ -30,7 +30,7 @@ class Rows:
 
 
 def plain(content: bytes) -> bytes:
-    """The text without its mark, with the line ends of Unix, and with nan and inf for what Windows calls so."""
+    """The text without its byte order mark, with Unix line ends, and with nan and inf for the words of Windows."""
     content = content.removeprefix(MARK)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -50,7 +50,7 @@ def rows_of(lines: list[bytes], kind: type = np.float64) -> Rows:
 
 
 def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The places of all items of lists that begin at places (n,) and have so many each (n,)."""
+    """The indices of all items of lists that begin at places (n,) and have these lengths (n,)."""
     before = np.cumsum(sizes) - sizes
     return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
 

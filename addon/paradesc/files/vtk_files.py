@@ -15,7 +15,7 @@ KINDS = {"<f4": "Float32", "<f8": "Float64", "<i4": "Int32", "<i8": "Int64"}
 
 
 def write_vtp(path: Path, baked: Baked) -> None:
-    """Writes what was baked as .vtp."""
+    """Writes the results as .vtp."""
     write_polydata(path, *parts_of(baked), baked.at_faces)
 
 

@@ -21,7 +21,7 @@ def mesh_arrays(
     corner_normals: object = None,
     sharp_edges: object = None,
 ) -> MeshArrays:
-    """The mesh of (n, 3) float64 points and of polygons as the library reads it, with what else was given."""
+    """The mesh of (n, 3) float64 points and of polygons as the library reads it, with the other inputs given."""
     return MeshArrays(
         positions=points,
         corner_vertices=polygons.corner_vertices,
@@ -52,7 +52,7 @@ def points_of(vertices: object) -> np.ndarray:
 
 
 def polygons_of(faces: object, vertex_count: int) -> Polygons:
-    """The polygons of an (m, k) array, of a list of lists, or polygons as they are; refuses what names no vertex."""
+    """The polygons of an (m, k) array, a list of lists, or Polygons; raises if a corner names no vertex."""
     if isinstance(faces, Polygons):
         corners, sizes = faces.corner_vertices, faces.sizes
     else:
@@ -79,7 +79,7 @@ def rows_of(faces: object) -> tuple[np.ndarray, np.ndarray]:
             lengths = list(map(len, faces))
             flat = list(chain.from_iterable(faces)) if len(set(lengths)) > 1 else []
         except TypeError:
-            flat = []  # some are no lists, which is said below
+            flat = []  # some may not be lists, which is reported below
         if flat:
             return whole(flat, "faces", FACES_WANTED, 1), np.array(lengths)
     array = whole(faces, "faces", FACES_WANTED, 2)
@@ -137,7 +137,7 @@ def at_corners(values: object, name: str, width: int, vertex_count: int, polygon
 
 
 def whole(values: object, name: str, wanted: str, dimensions: int) -> np.ndarray:
-    """Whole numbers in so many dimensions, as they are or as floats without a fraction."""
+    """Whole numbers in an array of this many dimensions; floats without a fraction count as well."""
     array = numbers(values, name, wanted)
     if array.ndim != dimensions:
         raise InputError(f"{name} has the shape {array.shape}, but {wanted}.")
@@ -151,7 +151,7 @@ def whole(values: object, name: str, wanted: str, dimensions: int) -> np.ndarray
 
 
 def numbers(values: object, name: str, wanted: str) -> np.ndarray:
-    """An array of integers or floats; refuses what is none, text, Python objects, truth values and masked values."""
+    """An array of integers or floats; refuses text, Python objects, truth values and masked values."""
     try:
         array = np.asarray(values)
     except (ValueError, TypeError, OverflowError, AttributeError, RuntimeError, RecursionError) as error:
