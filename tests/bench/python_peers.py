@@ -188,11 +188,11 @@ def made(quick: bool) -> tuple[dict[str, Case], dict[str, str]]:
 
 
 def add_rough(found: dict[str, object]) -> dict[str, str]:
-    """Adds to what is kept: jobs that are new, and errors on what is not smooth. Gives why any are missing."""
+    """Adds jobs that are new, without times, and errors on surfaces that are not smooth. Gives why any are missing."""
     rows, lacking = found["rows"], {}
     if new := {name: job for name, job in JOBS.items() if name not in rows}:
         measured, lacking = measure(made(False)[0], new, 1)
-        rows.update(measured)
+        rows.update({name: {**row, "untimed": True} for name, row in measured.items()})  # not beside the others
     rough_errors(JOBS, rows, lacking)
     return lacking
 

@@ -288,7 +288,7 @@ def readme_lines(found: dict, packages: dict | None = None) -> list[str]:
         rough = rough_cells(rows.get(PACKAGE_OF.get(label, ""), {}), heads)
         lines.append(f"| {' | '.join([bold + name + bold, f'{1e3 * seconds:.0f}', percent(closed), *rough])} |")
     for row, label in [(rows[name], label) for name, label in BESIDE.items() if name in rows]:
-        cells = [f"{1e3 * row['bunny']['seconds']:.0f}", percent(row["torus"]["error_mean"]), *rough_cells(row, heads)]
+        cells = [time_of(row, "bunny"), percent(row["torus"]["error_mean"]), *rough_cells(row, heads)]
         lines.append(f"| {' | '.join([label, *cells])} |")
     return [*lines, "", *growth_lines(found), *stamp_lines(found)]
 
@@ -310,7 +310,12 @@ def growth_lines(found: dict) -> list[str]:
 def python_rows(found: dict) -> list[dict]:
     """Rows of Python packages, fastest on the last mesh first."""
     last = list(found["meshes"])[-1]
-    return sorted(found["rows"].values(), key=lambda row: row[last]["seconds"])
+    return sorted(found["rows"].values(), key=lambda row: (row.get("untimed", False), row[last]["seconds"]))
+
+
+def time_of(row: dict, mesh: str) -> str:
+    """Milliseconds; a dash if the row was not measured in turns with the others."""
+    return "–" if row.get("untimed") else f"{1e3 * row[mesh]['seconds']:.0f}"
 
 
 def name_of(row: dict) -> str:
@@ -329,7 +334,8 @@ def python_lines(found: dict) -> list[str]:
         cells = [name_of(row), str(row["lines"])]
         for mesh in found["meshes"]:
             one = row[mesh]
-            cells += [f"{1e3 * one['seconds']:.0f}", f"{one['cpu_seconds'] / one['seconds']:.1f}"]
+            cores = "–" if row.get("untimed") else f"{one['cpu_seconds'] / one['seconds']:.1f}"
+            cells += [time_of(row, mesh), cores]
             cells += [percent(one["error_mean"]), percent(one["error_gaussian"])]
         lines.append("| " + " | ".join([*cells, row["size"], row["lacks"] or "–"]) + " |")
     lines += ["", f"Versions: {', '.join(f'{name} {version}' for name, version in found['versions'].items())}.", ""]
@@ -366,7 +372,7 @@ def manual_lines(found: dict) -> list[str]:
     for row in rows:
         rough = rough_cells(row, heads)
         errors = [percent(row[first][f"error_{name}"]) for name in ("mean", "gaussian")]
-        cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, *rough, row["size"]]
+        cells = [name_of(row), str(row["lines"]), time_of(row, last), *errors, *rough, row["size"]]
         lines.append("| " + " | ".join(cells) + " |")
     used = ", ".join(f"{name} {version}" for name, version in found["versions"].items() if name != "paradesc")
     where = f"{found['cpu']}, {found['cores']} cores, {found['date']}, load before {found['load_before']}"
