@@ -35,6 +35,8 @@ TELLING = APART
 CAUTION = 2.0
 # By what power of r an estimator blurs.
 BLUR = {"shape-operator": 2, "extrapolated": 4}
+# The radii that are looked at in any case end at so many times the least; later ones are, if the best is not so far below.
+FIRST, BEYOND = 4.0, 1.9
 # Extrapolated values are taken if their expected error is less than this share of the others'.
 GAIN = 0.8
 # Rounds of averages over the neighbors of vertices that smooth their own bias; noise and bias count half by the mesh's.
@@ -108,10 +110,10 @@ def balanced(settings: Settings, arrays: MeshArrays, compute: Callable[[Settings
     The shape operator is extrapolated if that leaves a smaller error.
     """
     radii, estimator = usual_radii(arrays), settings.options.estimator
-    found = profile(settings, arrays, radii, compute)
+    found = as_far_as_needed(settings, arrays, radii, compute)
     if estimator == "shape-operator":
         options = replace(settings.options, estimator="extrapolated")
-        other = profile(replace(settings, options=options), arrays, radii, compute)
+        other = as_far_as_needed(replace(settings, options=options), arrays, radii, compute)
         if other.expected < GAIN * found.expected:
             found, estimator = other, "extrapolated"
     radius = float(f"{found.radius:.3g}")
@@ -123,8 +125,33 @@ def profile(
     settings: Settings, arrays: MeshArrays, radii: Sequence[float], compute: Callable[[Settings], Results]
 ) -> Profile:
     """The profile at lengths that rise, of which the settings say all else; compute() gives the results of others."""
-    results = compute(sweep(settings, radii))
-    rows = np.stack(list(results.values.values())).astype(np.float64)  # both of each radius, one after the other
+    return of_rows(settings, arrays, radii, rows_at(settings, radii, compute))
+
+
+def as_far_as_needed(
+    settings: Settings, arrays: MeshArrays, radii: Sequence[float], compute: Callable[[Settings], Results]
+) -> Profile:
+    """The profile at the first of these lengths, so many that the best radius lies well below the last.
+
+    The largest radii take most of the time, as a ball has more triangles with the square of its radius.
+    """
+    count, rows = int(np.searchsorted(radii, FIRST * radii[0])) + 1, np.empty((0, 0))
+    while True:
+        more = rows_at(settings, radii[len(rows) // 2 : count], compute)
+        rows = np.concatenate([rows, more]) if len(rows) else more
+        found = of_rows(settings, arrays, radii[:count], rows)
+        if count >= len(radii) or BEYOND * found.radius <= radii[count - 1]:
+            return found
+        count += 1
+
+
+def rows_at(settings: Settings, radii: Sequence[float], compute: Callable[[Settings], Results]) -> Array:
+    """Mean curvatures and their errors at these lengths, one after the other."""
+    return np.stack(list(compute(sweep(settings, radii)).values.values())).astype(np.float64)
+
+
+def of_rows(settings: Settings, arrays: MeshArrays, radii: Sequence[float], rows: Array) -> Profile:
+    """The profile of rows at these lengths."""
     telling = TELLING * advice.edge_and_diagonal(arrays)[0]
     power = BLUR[blurring(settings.options.estimator)]
     return profile_of(radii, rows[::2], rows[1::2], arrays.triangle_vertices, telling, power)
