@@ -18,6 +18,8 @@ fi
 groups=("$@")
 [ ${#groups[@]} -gt 0 ] || groups=(start missing words assets hard images live looks wear export large)
 WIDTH=1600 HEIGHT=1000 MINUTES=40
+command -v Xvfb >/dev/null && "${within[@]}" sh -c 'command -v blender && command -v xwd' >/dev/null ||
+  { echo "Xvfb, Blender or xwd is missing: apt-get install xvfb blender python3-numpy x11-apps" >&2; exit 1; }
 
 rm -rf "$folder/scripts" # of another version
 mkdir -p "$folder/config" "$folder/scripts" "$folder/home"

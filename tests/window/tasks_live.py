@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 import person
-from scenes import as_found, baked, clicked, monkey, shading, undo_step
+from scenes import as_found, baked, clicked, idle, monkey, shading, undo_step
 
-from paradesc.scene import arrays, mesh_io
+from paradesc.scene import arrays, mesh_io, sculpt_masks
 
 if TYPE_CHECKING:
     from drive import Run
 
 BRUSH = "brushes/essentials_brushes-mesh_sculpt.blend/Brush/Draw"
+BLACK = 40  # of 255: darker than the ground of the viewport and than any lit surface
 
 
 def values(name: str = "cavity") -> np.ndarray:
@@ -64,27 +65,45 @@ def sculpt(run: "Run") -> Iterator[None]:
     yield from person.wait(lambda: baked("cavity"), 60)
     person.in_view(bpy.ops.object.mode_set, mode="SCULPT")
     yield from person.drawn(3)
+    if (yield from has_brush(run)):
+        before, places = values().copy(), mesh_io.read_positions(made.data)
+        stroke(made)
+        yield from person.drawn(25)
+        file = yield from run.picture("sculpt_stroke")
+        moved = np.abs(mesh_io.read_positions(made.data) - places).max()
+        changed = float(np.abs(values() - before).max()) if len(values()) == len(before) else -1.0
+        run.saw("B3", f"a stroke moved the surface by {moved:.3f}, values changed by {changed:.3f} in {made.mode} mode", changed > 0.01, file)
+    for live in (True, False):
+        made.paradesc_live.mode = "LIVE" if live else "OFF"
+        yield from masked(run, made, live)
+    person.in_view(bpy.ops.object.mode_set, mode="OBJECT")
+
+
+def masked(run: "Run", made: bpy.types.Object, live: bool) -> Iterator[None]:
+    """The mask of sculpt mode over a shown bake: it is there, and it is seen as darker places."""
+    person.in_view(bpy.ops.paint.mask_flood_fill, mode="VALUE", value=0)
+    yield from person.press("paradesc.mask_from_shape")
+    yield from person.drawn(10)
+    yield from person.wait(idle)
+    yield from person.drawn(10)
+    file = yield from run.picture("sculpt_mask")
+    dark = (person.seen("WINDOW").max(axis=2) < BLACK).mean()
+    found = sculpt_masks.values(made.data)
+    share = float((found > 0.5).mean()) if found is not None else 0.0
+    text = f"Live {live}: {share:.1%} of the vertices are masked by more than half, {dark:.2%} of the viewport is nearly black"
+    run.saw("C2", text, share > 0.005 and dark > 0.002, file)
+
+
+def has_brush(run: "Run") -> Iterator[bool]:
+    """Takes the brush Draw; without it, says so."""
     if bpy.app.version >= (4, 3, 0):
         try:
             person.in_view(bpy.ops.brush.asset_activate, asset_library_type="ESSENTIALS", relative_asset_identifier=BRUSH)
         except RuntimeError as error:
             run.saw("B3", f"this Blender was packed without its brushes: {error}")
-            person.in_view(bpy.ops.object.mode_set, mode="OBJECT")
-            return
+            return False
         yield from person.drawn(3)
-    before, places = values().copy(), mesh_io.read_positions(made.data)
-    stroke(made)
-    yield from person.drawn(25)
-    file = yield from run.picture("sculpt_stroke")
-    moved = np.abs(mesh_io.read_positions(made.data) - places).max()
-    changed = float(np.abs(values() - before).max()) if len(values()) == len(before) else -1.0
-    run.saw("B3", f"a stroke moved the surface by {moved:.3f}, values changed by {changed:.3f} in {made.mode} mode", changed > 0.01, file)
-    yield from person.press("paradesc.mask_from_shape")
-    yield from person.drawn(5)
-    file = yield from run.picture("sculpt_mask")
-    run.saw("C2", "the mask of sculpt mode over a shown bake", None, file)
-    person.in_view(bpy.ops.object.mode_set, mode="OBJECT")
-    made.paradesc_live.mode = "OFF"
+    return True
 
 
 def bend(run: "Run") -> Iterator[None]:
