@@ -55,9 +55,14 @@ def other_functions(path: Path, name: str) -> list[Function]:
 
 
 def python_functions(path: Path) -> list[Function]:
-    """Functions and methods, each with its docstring and with what is defined inside."""
+    """Functions and methods, each with what is defined inside, and without the lines of its docstring."""
     return [
-        Function(node.end_lineno - node.lineno + 1, relative(path), node.name, node.lineno)
+        Function(node.end_lineno - node.lineno + 1 - docstring_lines(node), relative(path), node.name, node.lineno)
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
     ]
+
+
+def docstring_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """The number of lines that documentation takes, which may be as long as it needs to be."""
+    return len((ast.get_docstring(node, clean=False) or "").splitlines())
