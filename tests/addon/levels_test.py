@@ -132,6 +132,18 @@ def test_meshes_on_the_same_scale_have_one_range_at_a_bake_and_by_the_switch(loo
     assert spans()[0] == spans()[1]
 
 
+@pytest.mark.parametrize("by", ["bake", "switch"])
+def test_the_scale_that_two_equal_meshes_share_is_that_of_each(looks, by):
+    one, other = bumpy("one"), bumpy("other")
+    bake(one, other)
+    (own,) = {record.read(item.data)["ranges"][NAME][1] for item in (one, other)}
+    looks.same_scale = True
+    if by == "bake":
+        bake(one, other)
+    spans = [record.read(item.data)["ranges"][NAME][1] for item in (one, other)]
+    assert spans == pytest.approx([own, own], rel=1e-6)  # of areas in 32-bit positions
+
+
 def test_recolor_gives_all_masks_of_selected_meshes_the_same_scale_in_edit_mode_too(looks):
     one, other = bumpy("one", 0.1), bumpy("other", 0.6)
     bake(one)

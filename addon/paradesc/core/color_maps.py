@@ -48,6 +48,8 @@ NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.0
 DARK, BRIGHT, MOST_EXTREME = 0.05, 0.95, 0.8
 # A mask of which more than this share is nearly black gives way to another mask of the same bake with a smaller share.
 TELLING = 0.6
+# (n,) values, and how much of the surface each stands for; None: the same.
+Weighted = tuple[np.ndarray, np.ndarray | None]
 
 
 @dataclass(frozen=True)
@@ -262,13 +264,15 @@ def value_range(
     return ValueRange(low, high, descriptor.is_signed, neutral, map_name(descriptor, look), look.levels)
 
 
-def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[np.ndarray]]]) -> Look:
+def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[Weighted]]]) -> Look:
     """The look with one range for each descriptor over the values of all meshes."""
     if look.ranges:
         return look
     ranges = {}
-    for descriptor, radius, values in baked:
-        shown = value_range(np.concatenate(values), descriptor, radius, look)
+    for descriptor, radius, found in baked:
+        every, parts = (list(part) for part in zip(*found, strict=True))
+        areas = None if any(part is None for part in parts) else np.concatenate(parts)
+        shown = value_range(np.concatenate(every), descriptor, radius, look, areas)
         ranges[descriptor.name] = (shown.minimum, shown.maximum)
     return replace(look, ranges=ranges)
 

@@ -12,7 +12,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
 from . import advice, balance, color_maps, contexts, fitting, mesh_faults
-from .color_maps import MASKS, Look, ValueRange, value_range
+from .color_maps import MASKS, Look, ValueRange, Weighted, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
@@ -132,9 +132,13 @@ class Results:
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""
+        values, areas = self.weighted(name)
+        return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
+
+    def weighted(self, name: str) -> Weighted:
+        """The values that tell the range, with the areas of those at the vertices."""
         at_vertices = self.transfer is None and name not in self.texel_values
-        areas = self.areas if at_vertices else None
-        return value_range(self.telling(name), registry_row(name), self.radius_of(name), self.look, areas)
+        return self.telling(name), self.areas if at_vertices else None
 
     def telling(self, name: str) -> np.ndarray:
         """The values that the range follows from: of texels or detailed surfaces if there are any, else of vertices."""
@@ -234,7 +238,7 @@ def with_one_scale(look: Look, found: list[Results]) -> Look:
     baked = []
     for descriptor, own in every.items():
         first, name = own[0]
-        values = [results.telling(name) for results, name in own]
+        values = [results.weighted(name) for results, name in own]
         baked.append((registry_row(descriptor), first.radius_of(name), values))
     return color_maps.with_one_scale(look, baked)
 

@@ -315,6 +315,14 @@ def surface_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     return read_positions(mesh), corners[starts[:: 1 + len(starts) // ENOUGH_FACES, None] + np.arange(3)]
 
 
+def areas_of_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(vertex_count,) float64: a third of the areas of the triangles at each vertex."""
+    mesh.calc_loop_triangles()
+    triangles, positions = read_array(mesh.loop_triangles, "vertices", np.int32, 3), read_positions(mesh)
+    areas = np.repeat(double_areas(positions[triangles]) / 6, 3)
+    return np.bincount(triangles.reshape(-1), weights=areas, minlength=len(positions))
+
+
 def extremes(
     positions: np.ndarray, triangles: np.ndarray, values: np.ndarray, shown: color_maps.ValueRange
 ) -> dict[str, float]:

@@ -232,13 +232,16 @@ def is_still(item: bpy.types.Object) -> bool:
     return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
-def together(shown: list[tuple[bpy.types.Mesh, str]]) -> list[tuple[bridge.Descriptor, float, list[np.ndarray]]]:
-    """The values of several meshes by descriptor, with the radius on the first of them."""
-    found: dict[str, tuple[bridge.Descriptor, float, list[np.ndarray]]] = {}
+def together(
+    shown: list[tuple[bpy.types.Mesh, str]],
+) -> list[tuple[bridge.Descriptor, float, list[color_maps.Weighted]]]:
+    """The values of several meshes by descriptor, with the radius on the first of them; those of masks with areas."""
+    found: dict[str, tuple[bridge.Descriptor, float, list[color_maps.Weighted]]] = {}
     for mesh, name in shown:
         if not is_direction(name):
             row, radius = registry_row(name), record.read(mesh)["drawn"].get(name, {}).get("radius", 0.0)
-            found.setdefault(row.name, (row, radius, []))[2].append(stored_values(mesh, name))
+            areas = mesh_io.areas_of_vertices(mesh) if row.name in color_maps.MASKS else None
+            found.setdefault(row.name, (row, radius, []))[2].append((stored_values(mesh, name), areas))
     return list(found.values())
 
 
