@@ -41,8 +41,7 @@ TEST_P(MeanCurvature, extrapolation_takes_the_bias_of_large_radii_away) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5, {.vertices = 4000});
   lay_out(mesh, {.charts = 6});
   const auto error = [&](int32_t estimator) {
-    const std::vector<float> values =
-        compute_one(mesh, "mean_curvature", {.radius = 0.12, .estimator = estimator});
+    const std::vector<float> values = compute_one(mesh, "mean_curvature", {.radius = 0.12, .estimator = estimator});
     return percent_ae(values, mesh.H).mean;
   };
   const double fitted = error(PDESC_ESTIMATOR_SHAPE_OPERATOR), extrapolated = error(PDESC_ESTIMATOR_EXTRAPOLATED);

@@ -169,8 +169,8 @@ TEST_P(Parity, extrapolated_curvatures_agree_with_the_oracle) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5, {.vertices = 3000});
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {.radius = 0.08, .estimator = PDESC_ESTIMATOR_EXTRAPOLATED, .map_sigma = 0.5});
-  expect_parity(mesh,
-                {.radius = 0.08, .estimator = PDESC_ESTIMATOR_EXTRAPOLATED, .distance = PDESC_DISTANCE_GEODESIC, .map_sigma = 0.5});
+  expect_parity(
+      mesh, {.radius = 0.08, .estimator = PDESC_ESTIMATOR_EXTRAPOLATED, .distance = PDESC_DISTANCE_GEODESIC, .map_sigma = 0.5});
 }
 
 // Paper eq. (8), (11), (10) and (9), from the library's own V_r and GA.

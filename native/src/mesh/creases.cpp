@@ -22,15 +22,15 @@ constexpr double degree = pi / 180;
 constexpr double least_bend = 19.9 * degree; // 20, as rounded positions have it
 constexpr double least_hard_bend = 50 * degree;
 constexpr double least_corner_bend = 60 * degree, most_corner_bend = 150 * degree; // beyond it the surface is folded
-constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5; // times as much as what bends beside an edge
-constexpr double reach = 3;                                         // of the width of the narrower triangle
-constexpr double flat = 0.3;                                        // of the edge's bend: what the search goes on over
-constexpr size_t max_searched = 24;                                 // triangles on one side
-constexpr double least_gap_bend = 0.5;                              // of the line's at its end
-constexpr double least_straight = 0.8;                              // cosine of a turn along a line in a gap
-constexpr double line_reach = 4;                                    // mean edges of a line
-constexpr double polyhedron = 8, corners = 2;                       // times as much as all other edges
-constexpr double least_net = 0.75;                                  // of a line's bends
+constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5;                // times as much as what bends beside an edge
+constexpr double reach = 3;                                                        // of the width of the narrower triangle
+constexpr double flat = 0.3;                  // of the edge's bend: what the search goes on over
+constexpr size_t max_searched = 24;           // triangles on one side
+constexpr double least_gap_bend = 0.5;        // of the line's at its end
+constexpr double least_straight = 0.8;        // cosine of a turn along a line in a gap
+constexpr double line_reach = 4;              // mean edges of a line
+constexpr double polyhedron = 8, corners = 2; // times as much as all other edges
+constexpr double least_net = 0.75;            // of a line's bends
 constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
 constexpr int least_line = 16; // edges, of a line in any other surface
 constexpr int block_size = 1024;

@@ -200,8 +200,8 @@ private:
     fit_gradients_(heights_, gradients);
     for (int lane = 0; lane < used_; ++lane) {
       const Member &member = members_[lane];
-      fans_.normal[member.place] = vec3(
-          gradients.exists[lane] ? turned(member, {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane]) : member.n);
+      fans_.normal[member.place] =
+          vec3(gradients.exists[lane] ? turned(member, {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane]) : member.n);
       fans_.noise[member.place] = gradients.exists[lane] ? static_cast<float>(gradients.noise[lane]) : 0.0f;
     }
     used_ = 0;

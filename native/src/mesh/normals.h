@@ -16,7 +16,7 @@ struct Normals {
   std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // of the rings; none where corners have normals of their own
   std::vector<float> noise; // (fans) variance of the positions around the fit, along the normal; empty if nothing is fitted
-  std::vector<vec3> point; // (point_count) unit: the normal for evaluation at that point, common to all its fans
+  std::vector<vec3> point;  // (point_count) unit: the normal for evaluation at that point, common to all its fans
   // The unit normal of a corner; zero for triangles left out.
   vec3 corner(size_t corner) const {
     if (!corner_fan) return group[corner];

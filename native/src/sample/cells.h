@@ -25,14 +25,14 @@ struct Cells {
   std::vector<ivec4> box;     // (count) low texel, width and height of the cell's bounding box, within one block
   std::vector<int32_t> adjacency_begin; // (count + 1) into adjacency
   std::vector<ivec2> adjacency;         // neighboring cell, link
-  std::vector<int32_t> link_begin;     // (links + 1) into link_texel
-  std::vector<int32_t> link_texel;     // texels at which the surface crosses from cell to cell
-  std::vector<int32_t> boundary_begin; // (count + 1) into boundary
-  std::vector<int32_t> boundary;       // half-edges on the mesh's boundary that a cell touches
+  std::vector<int32_t> link_begin;      // (links + 1) into link_texel
+  std::vector<int32_t> link_texel;      // texels at which the surface crosses from cell to cell
+  std::vector<int32_t> boundary_begin;  // (count + 1) into boundary
+  std::vector<int32_t> boundary;        // half-edges on the mesh's boundary that a cell touches
   std::vector<int32_t> texelless_begin; // (count + 1) into texelless
   std::vector<int32_t> texelless;       // triangles without texels, at the cell from which the surface leads to them
   std::vector<int32_t> triangle_cell;   // (triangle_count) carries the centroid, or leads there; -1: none
-  std::vector<int32_t> wedge_cell; // (wedges)
+  std::vector<int32_t> wedge_cell;      // (wedges)
 };
 
 // ids: (size * size, 2) as GeometryBuffer::read_ids. threads as in pdesc_context_options.

@@ -21,7 +21,8 @@ Triangles boxes() {
     for (const int32_t vertex : from.corner_vertex) corners.push_back(first + vertex);
   };
   add(box(12), 1.0f, vec3(0));
-  for (int i = 0; i < 20; ++i) add(box(1), 0.05f, vec3(0.12f * static_cast<float>(i) - 1.1f, 0.02f * static_cast<float>(i % 3), 0.3f));
+  for (int i = 0; i < 20; ++i)
+    add(box(1), 0.05f, vec3(0.12f * static_cast<float>(i) - 1.1f, 0.02f * static_cast<float>(i % 3), 0.3f));
   return shape(positions, corners);
 }
 
@@ -38,7 +39,8 @@ TEST(NearCreases, are_those_of_the_own_component_within_reach) {
     const NearCreases near({triangles, half_edges, normals, creases, facets}, radius);
     for (int32_t t = 0; t < triangles.triangle_count; ++t) {
       const dvec3 place = (dvec3(triangles.position(3 * t)) + 2.0 * dvec3(triangles.position(3 * t + 1)) +
-                           3.0 * dvec3(triangles.position(3 * t + 2))) / 6.0;
+                           3.0 * dvec3(triangles.position(3 * t + 2))) /
+                          6.0;
       bool expected = false;
       for (const int32_t edge : creases.edges)
         expected = expected || (half_edges.triangle_piece[edge / 3] == half_edges.triangle_piece[t] &&

@@ -20,7 +20,7 @@ struct alignas(16) FlatSample {
   float along[2][3], normal_along[2][3];
   float face[3], reach;
   float noise, facet; // as those of a Sample
-  int32_t surfel; // of which it is, or is part
+  int32_t surfel;     // of which it is, or is part
 };
 
 // What operators look at: gradient and value, as the normal of a sample: their mean, and how they vary along both directions.

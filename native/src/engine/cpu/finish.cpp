@@ -95,8 +95,7 @@ void finish_kernel(const EvaluateParams &params, const SumCenter &center, const 
 } // namespace
 
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows) {
-  const bool geodesic = options.distance == PDESC_DISTANCE_GEODESIC,
-             integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
+  const bool geodesic = options.distance == PDESC_DISTANCE_GEODESIC, integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
   const auto with_geodesic = [&](SumKind euclidean, SumKind along) { return geodesic ? along : euclidean; };
   if (windows) return {with_geodesic(SumKind::windows, SumKind::windows_geodesic), false};
   const auto any = [&](std::string_view terms) {

@@ -58,8 +58,7 @@ void NearCreases::add_edge(const Grid &grid, int32_t edge) {
     const dvec3 low = grid.cell_at(glm::min(a, b) - reach), high = grid.cell_at(glm::max(a, b) + reach);
     for (double x = low.x; x <= high.x; ++x)
       for (double y = low.y; y <= high.y; ++y)
-        for (double z = low.z; z <= high.z; ++z)
-          entries_.push_back((number_of({x, y, z}) << 32) | static_cast<uint32_t>(edge));
+        for (double z = low.z; z <= high.z; ++z) entries_.push_back((number_of({x, y, z}) << 32) | static_cast<uint32_t>(edge));
   }
 }
 

@@ -37,7 +37,7 @@ struct Patch {
   std::array<dvec3, 3> corners, normals;
   std::array<dvec4, 3> map{};
   double noise = 0; // variance of the positions along normals
-  int center = -1; // the corner at p, or -1
+  int center = -1;  // the corner at p, or -1
 };
 
 struct Center {
@@ -68,7 +68,7 @@ struct Fit {
 struct Moments {
   double area = 0, rho = 0, height = 0, bending = 0;
   double noise = 0, facets = 0; // of w: variance of the positions along normals; area of the triangle
-  double strip = 0; // area within the ball and beyond r along the surface
+  double strip = 0;             // area within the ball and beyond r along the surface
   Fit ball;
   Fit wide, narrow; // windows 1 - t and (1 - t)^2, t = (distance/r)^2
   WindowMoments window;

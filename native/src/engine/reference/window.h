@@ -9,9 +9,9 @@ namespace paradesc {
 
 struct WindowSample {
   dvec2 coordinates; // tangent coordinates of d = q - p, in units of r
-  double rho;   // |d|
-  double value; // f - f(p)
-  dvec2 slope;  // r grad f in the tangent plane of p; NaN if it is undefined
+  double rho;        // |d|
+  double value;      // f - f(p)
+  dvec2 slope;       // r grad f in the tangent plane of p; NaN if it is undefined
   double weight;
 };
 
