@@ -149,5 +149,6 @@ def test_manual_and_report_have_the_figures_that_are_stored(stored):
 def test_what_the_manual_says_of_the_nearest_package_is_so(stored):
     on_torus = {name: row["torus"] for name, row in stored["rows"].items()}
     ours, apss = on_torus.pop("paradesc"), on_torus["pymeshlab_apss8"]
+    on_torus.pop("paradesc_auto", None)  # ours, too
     assert min(row["error_mean"] for row in on_torus.values()) == apss["error_mean"] > ours["error_mean"]
     assert apss["error_gaussian"] < ours["error_gaussian"]

@@ -286,10 +286,10 @@ def readme_lines(found: dict, packages: dict | None = None) -> list[str]:
         bold = "**" if label.startswith("Paradesc") else ""
         name = label + (f" ({note})" if note.startswith("extrapolated") else "")
         rough = rough_cells(rows.get(PACKAGE_OF.get(label, ""), {}), heads)
-        lines.append(f"| {' | '.join([bold + name + bold, f'{1e3 * seconds:.0f}', percent(closed), *rough])} |")
+        lines.append(f"|{'|'.join([bold + name + bold, f'{1e3 * seconds:.0f}', percent(closed), *rough])}|")
     for row, label in [(rows[name], label) for name, label in BESIDE.items() if name in rows]:
         cells = [time_of(row, "bunny"), percent(row["torus"]["error_mean"]), *rough_cells(row, heads)]
-        lines.append(f"| {' | '.join([label, *cells])} |")
+        lines.append(f"|{'|'.join([label, *cells])}|")
     return [*lines, "", *growth_lines(found), *stamp_lines(found)]
 
 
