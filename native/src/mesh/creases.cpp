@@ -65,7 +65,7 @@ public:
     return size >= least_hard_bend && size >= own_triangles * most_of_own(half_edge, bend, Which::all);
   }
 
-  // Of those that do not: whether only edges that may meet this one at a corner of a solid hide it, at whatever angle.
+  // Tells of an edge that does not stand out whether only edges that may meet it at a solid's corner, at any angle, hide it.
   bool may_meet_others(int half_edge) const {
     const double bend = bend_of(half_edge);
     return is_corner(bend) && std::abs(bend) >= own_triangles * most_of_own(half_edge, bend, Which::no_corner);

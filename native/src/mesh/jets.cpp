@@ -105,7 +105,7 @@ template <size_t first> Gradient solve_gradient(Gram gram, Scale &scale) {
 
 double larger(double a, double b) { return a > b ? a : b; }
 
-// Of the fans from `first` on.
+// Fits the fans from `first` on.
 void fit_lanes(const Heights &heights, int first, Gradients &gradients) {
   constexpr double least_gain = 3; // c: 19 times of 20, noise alone gives less than 3.6 with two rings of 18 neighbors
   constexpr double least_pivot = 1e-5;

@@ -53,7 +53,7 @@ inline Vector<3, Lanes> place_of(const float *const (&position)[3], int32_t i) {
   return {position[0][i], position[1][i], position[2][i]};
 }
 
-// What a patch is to the centers; nothing where no ball meets even what its triangles reach of other patches.
+// Finds what a patch is to the centers. Returns false where no ball meets even what its triangles reach of other patches.
 inline bool find_nearness(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, Nearness &nearness) {
   const Vector<3, Lanes> middle = place_of({surface.sphere[0], surface.sphere[1], surface.sphere[2]}, patch);
   const float reach = surface.sphere[3][patch], far = centers.radius + reach, beyond = centers.radius + surface.own_reach[patch],
@@ -235,7 +235,7 @@ inline void add_rows(const MomentRow *rows, int32_t *list, int32_t count, int32_
   __builtin_memcpy(to.of, sums, sizeof to.of);
 }
 
-// What was listed, all of one origin.
+// Adds the listed rows, all of which have one origin.
 inline void add_wholes(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, CenterLists &wholes, Totals &to) {
   if (wholes.count == 0) return;
   int32_t counts[group_lanes] = {};

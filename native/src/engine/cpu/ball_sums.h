@@ -15,7 +15,7 @@ namespace paradesc {
 
 inline constexpr int group_lanes = 16; // centers
 
-// Of a triangle, relative to the origin of its patch, times its area: 1; position; normal; products of positions xx, yy, zz, xy,
+// Moments of a triangle from the origin of its patch, times its area: 1; position; normal; products of positions xx, yy, zz, xy,
 // xz, yz; and of position and normal xx, yy, zz, xy + yx, xz + zx, yz + zy. Normals are linear through those at the middles of
 // the edges. Then its area again, and the variance of positions along normals.
 enum Moment { moment_area, moment_x, moment_n = 4, moment_xx = 7, moment_xn = 13, moment_facet = 19, moment_noise, moments };
@@ -24,7 +24,7 @@ struct alignas(32) MomentRow {
   float of[moment_row];
 };
 
-// What the rim asks of a triangle: corners and normals at them, the first two once more, so that those from any corner on follow
+// The rim needs of a triangle: corners and normals at them, the first two once more, so that those from any corner on follow
 // each other. One is read by four floats at a time.
 struct alignas(64) RimTriangle {
   float corner[5][3], area;
@@ -64,7 +64,7 @@ struct alignas(64) CenterLanes {
   uint32_t all() const { return (uint32_t{1} << count) - 1; }
 };
 
-// What of a surface lies near a group: which of its patches, and the centers in whose balls a patch as a whole is: of all of
+// The surface near a group: which of its patches are near, and the centers in whose balls a patch as a whole is: of all of
 // them or of some.
 enum class Nearness : uint8_t { outside, some, inside };
 struct NearPatches {

@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-// Of the triangles of a mesh, in units of the positions.
+// Sizes of the triangles of a mesh, in units of the positions.
 struct TriangleSizes {
   double longest_edge = 0;
   double rim_per_radius = 0; // how many the rim of a ball cuts, over its radius: mean over balls around the points

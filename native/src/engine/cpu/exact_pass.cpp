@@ -15,7 +15,7 @@ namespace paradesc {
 
 namespace {
 
-// What one thread keeps from group to group.
+// The memory that one thread keeps from group to group.
 class GroupWork {
 public:
   explicit GroupWork(const ExactPass &pass);

@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-// What one thread keeps from group to group.
+// The memory that one thread keeps from group to group.
 class GroupFlood {
 public:
   GroupFlood(BallEdges edges, const SumTarget &target) : edges_(edges), target_(target), mark_(edges.surfels.surfel.size()) {}

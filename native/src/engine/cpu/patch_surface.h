@@ -13,7 +13,7 @@ namespace paradesc {
 // Frame by frame the same memory is written anew.
 class PatchSurface {
 public:
-  // Of a mesh with these patches. target: see ball_targets(). with_noise: else there is none.
+  // Refits to a mesh with these patches. target: see ball_targets(). with_noise: else there is none.
   void refit(const PointPatches &patches, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
              const BakeSpace &space, const BallTarget &target, bool with_noise, int threads);
 

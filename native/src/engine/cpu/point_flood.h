@@ -1,4 +1,4 @@
-// What lies in the balls of a group → what of it is connected to their centers there, for all of them at once, a bit each.
+// The points in the balls of a group → those that are connected to their centers there, for all of them at once, a bit each.
 //
 // Between two points that share an edge and lie in a ball the edge lies there, too. What is left are edges that dip into a ball
 // with both ends outside. They are looked for only where something in a ball is not reached, and beside the mesh's boundary.
@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// What one thread keeps from group to group.
+// The memory that one thread keeps from group to group.
 class PointFlood {
 public:
   PointFlood(const PointPatches &patches, const PatchArrays &surface, const BallTarget &target);

@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// Where the largest clusters of at most so many items begin, as places in the tree's order; behind them, its end.
+// Returns where the largest clusters of at most so many items begin, as places in the tree's order; behind them, its end.
 static std::vector<int32_t> cut_tree(const ClusterTree &tree, int32_t most) {
   std::vector<int32_t> begins;
   std::vector<int32_t> places; // (clusters of the level + 1) in the tree's order

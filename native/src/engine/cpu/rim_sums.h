@@ -47,7 +47,7 @@ inline Lanes turn_sign(const Lanes &a, const SignBits &signs) {
   return Lanes(std::bit_cast<Lanes::Floats>(std::bit_cast<SignBits>(a.lane) ^ signs));
 }
 
-// Where edges from the alone corner meet the rim, and what is between the chord and the arc.
+// The places where edges from the alone corner meet the rim, and the area between the chord and the arc.
 struct Cut {
   SignBits outside; // the alone corner is
   Lanes p, q;       // shares of the edges to the next corner and to the previous one

@@ -12,7 +12,7 @@
 
 namespace paradesc {
 
-// What one thread keeps from group to group.
+// The memory that one thread keeps from group to group.
 class Search {
 public:
   // by_blocks: whole samples are found as parts of blocks.

@@ -65,7 +65,7 @@ inline Choices choices_of(uint32_t bits) {
 }
 
 inline Lanes mix(const Lanes &a, const Lanes &b, const Choices &choice) { return Lanes(choice.lane ? b.lane : a.lane); }
-// Of NaN and a number, min and max give the first: as the processor's own instructions do, which compilers do not find by
+// Given NaN and a number, min and max return the first: as the processor's own instructions do, which compilers do not find by
 // themselves.
 #if defined(__AVX512F__) && LANE_WIDTH == 16
 #define PARADESC_LANES_BY(name)                                                                                                  \
