@@ -228,7 +228,11 @@ def picture(path: Path) -> np.ndarray:
 
 
 def animation_steps(engine: str) -> Iterator[None]:
-    """Presses Ctrl F12, with live values and without: every frame has the same silhouette."""
+    """Presses Ctrl F12, with live values and without: every frame has the same silhouette.
+
+    The interface is locked without them, too. Blender 3.4 keeps in one variable for all threads whether Python may write: if a panel
+    is drawn at the moment when Cycles begins a frame, nothing may be written any more once that frame is done.
+    """
     scene, shown = bpy.context.scene, {}
     render, former = scene.render, (scene.frame_start, scene.frame_end, scene.frame_step)
     render.engine, render.film_transparent, render.image_settings.color_mode = engine, True, "RGBA"
@@ -236,6 +240,7 @@ def animation_steps(engine: str) -> Iterator[None]:
     scene.camera.data.ortho_scale = 12.0  # the whole sphere is seen
     for mode in ("OFF", "LIVE"):
         target().paradesc_live.mode = mode
+        render.use_lock_interface = True
         render.filepath = str(Path(bpy.app.tempdir) / f"{engine}{mode}")
         paths = [Path(render.frame_path(frame=frame)) for frame in range(scene.frame_start, scene.frame_end + 1, 3)]
         with bpy.context.temp_override(**view_context()):
@@ -244,6 +249,8 @@ def animation_steps(engine: str) -> Iterator[None]:
         for _ in range(5):
             yield
         shown[mode] = [picture(path)[..., 3] for path in paths]
+        if mode == "OFF":
+            render.use_lock_interface = False
     assert np.abs(shown["OFF"][0] - shown["OFF"][-1]).mean() > 0.02, "nothing moves"
     for frame, (still, live_one) in enumerate(zip(shown["OFF"], shown["LIVE"], strict=True)):
         assert np.abs(still - live_one).mean() < 1 / 255, f"{engine} shows another pose in picture {frame}"
