@@ -1,6 +1,7 @@
 """What the add-on's tests share: fixtures of the sphere, and the command line as a process."""
 
 import functools
+import gc
 import json
 import os
 import subprocess
@@ -12,6 +13,12 @@ import pytest
 from shapes import ADDON, ROOT, as_arrays, cube_sphere, write_obj
 
 MESHES = ROOT.parent / "shared" / "meshes"
+
+
+def pytest_runtest_setup():
+    """Sets what earlier tests have left apart: the add-on collects garbage at its end, and would look through millions of objects."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Euler
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
@@ -63,6 +64,7 @@ def texture_is_seen() -> Iterator[None]:
         run_in_view(step)
         yield from wait_for(lambda: shows_mask() == there)  # noqa: B023
     say("it goes and comes with its button, and with undo")
+    yield from far_texture_is_whole()
     run_in_view(bpy.ops.paradesc.bake, "INVOKE_DEFAULT", True)
     yield from wait_for(lambda: ModalJob.running is None)
     yield from wait_for(lambda: not shows_mask())
@@ -73,6 +75,29 @@ def texture_is_seen() -> Iterator[None]:
     assert len(windows) == before + 1
     assert windows[-1].screen.areas[0].spaces.active.image.name == "Cube_edges"
     say("an image editor opens where there is none")
+
+
+def far_texture_is_whole() -> Iterator[None]:
+    """Shows a large cube from far away, where one step of the depth buffer is longer than a thousandth of the cube."""
+    target, view = bpy.context.object, view_context()["area"].spaces[0]
+    target.scale = (300.0, 300.0, 300.0)
+    view.region_3d.view_rotation = Euler((1.35, 0.0, 0.2)).to_quaternion()
+    view.region_3d.view_perspective = "PERSP"
+    view.region_3d.view_distance, view.region_3d.view_location = 4000.0, (0.0, 0.0, 0.0)
+    view.clip_end = 20000.0
+    yield from wait_for(shows_front)
+    say("a texture is whole far away")
+    target.scale = (1.0, 1.0, 1.0)
+    run_in_view(bpy.ops.view3d.view_axis, type="FRONT")
+    run_in_view(bpy.ops.view3d.view_selected)
+    yield from wait_for(shows_mask)
+
+
+def shows_front() -> bool:
+    """Whether what is around the middle of the viewport, where the front of the cube is, is all black."""
+    pixels = seen()
+    height, width = pixels.shape
+    return pixels[height // 2 - 8 : height // 2 + 8, width // 2 - 8 : width // 2 + 8].max() < BLACK
 
 
 def steps() -> Iterator[None]:

@@ -17,11 +17,12 @@ from ..settings import preferences
 from .arrays import read_array
 from .unwrap import read_uvs
 
-# The texture is drawn nearer to the eye by this share of the mesh's size, so that it does not flicker with the surface.
-NEARER = 1e-3
+# The texture is drawn nearer to the eye by some steps of the depth buffer, which has 2^24, so that it does not flicker with the
+# surface: a length would be less than a step far from the eye.
 VERTEX = """
 void main() {
   gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
+  gl_Position.z -= 2e-6 * gl_Position.w;
   place = uv;
 }
 """
@@ -161,7 +162,7 @@ def draw_one(context: bpy.types.Context, target: bpy.types.Object, image: bpy.ty
         return
     view, matrix = context.region_data.view_matrix, target.matrix_world
     size = own.size * largest_scale(matrix)
-    nearer = min(own.nearer, 0.5 * size) + NEARER * size
+    nearer = min(own.nearer, 0.5 * size)
     if context.region_data.is_perspective:  # toward the eye, so that nothing moves on the screen
         moved = Matrix.Scale(1 - nearer / max((view @ matrix).translation.length, size, nearer), 4)
     else:

@@ -22,7 +22,7 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   if (creases == marked) return creases;
   const EdgeLines lines = judge_lines(triangles, half_edges, creases.edges, creases.half_edge, normals, CREASE_REACH * radius, 0,
                                       stands_out, threads);
-  return creases_of_lines(half_edges, creases, lines, marked);
+  return creases_of_lines(half_edges, creases.edges, lines, marked);
 }
 
 } // namespace paradesc

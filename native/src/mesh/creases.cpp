@@ -273,17 +273,22 @@ static std::vector<int32_t> union_of(const std::vector<int32_t> &a, const std::v
   return all;
 }
 
-// The kept ones, and those of the edges whose lines are agreed. edges: ascending.
-static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals,
-                          const std::vector<int32_t> &edges, const Creases &kept, JudgePlace judge, int threads) {
-  const Creases chosen = creases_along(half_edges, union_of(edges, kept.edges));
-  const EdgeLines lines = judge_lines(triangles, half_edges, edges, chosen.half_edge, normals, 0, line_reach, judge, threads);
+Creases creases_of_lines(const HalfEdges &half_edges, const std::vector<int32_t> &edges, const EdgeLines &lines,
+                         const Creases &kept) {
   std::vector<int32_t> agreed;
   for (size_t i = 0; i < edges.size(); ++i) {
     checkpoint_at(i);
     if (lines.line[lines.line_of[i]].is_agreed()) agreed.push_back(edges[i]);
   }
   return creases_along(half_edges, union_of(agreed, kept.edges));
+}
+
+// Judges the lines of the edges, which ascend, and keeps those that are agreed beside the kept ones.
+static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals,
+                          const std::vector<int32_t> &edges, const Creases &kept, JudgePlace judge, int threads) {
+  const Creases chosen = creases_along(half_edges, union_of(edges, kept.edges));
+  const EdgeLines lines = judge_lines(triangles, half_edges, edges, chosen.half_edge, normals, 0, line_reach, judge, threads);
+  return creases_of_lines(half_edges, edges, lines, kept);
 }
 
 // The hidden edges, and those that hang together with one: all other lines are judged already.
@@ -338,16 +343,6 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   const Creases kept = with_lines(triangles, half_edges, normals, edges, marked, goes_on, threads);
   if (hidden.empty()) return kept;
   return with_lines(triangles, half_edges, normals, joined_by(half_edges, edges, hidden), kept, goes_on_at_corners, threads);
-}
-
-Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked) {
-  std::vector<int32_t> kept;
-  for (size_t i = 0; i < creases.edges.size(); ++i) {
-    checkpoint_at(i);
-    const int32_t edge = creases.edges[i];
-    if (marked.contains(edge) || lines.line[lines.line_of[i]].is_agreed()) kept.push_back(edge);
-  }
-  return creases_along(half_edges, std::move(kept));
 }
 
 } // namespace paradesc

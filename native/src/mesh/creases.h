@@ -36,8 +36,9 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 // line in noise does. normals: (triangle_count) round_steady_normals.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
-// Those of lines that are agreed, and the marked ones. lines: of the creases' edges.
-Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked);
+// Has the edges whose lines are agreed, and the kept ones. lines: of the edges, which ascend.
+Creases creases_of_lines(const HalfEdges &half_edges, const std::vector<int32_t> &edges, const EdgeLines &lines,
+                         const Creases &kept);
 
 // The marked ones alone.
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges);

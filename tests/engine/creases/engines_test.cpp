@@ -136,5 +136,32 @@ TEST_P(CreasesOn, none_rounds_them_and_marked_takes_marks) {
 
 PDESC_ON_EACH_BACKEND(CreasesOn);
 
+// The blend takes nearly all of the time here, half a second of one core, and progress is told every few milliseconds.
+TEST(CreasesOnCpu, have_progress_while_they_are_blended) {
+  const Triangles triangles = prism(300, 4);
+  TestMesh mesh;
+  mesh.vertex_count = triangles.vertex_count;
+  for (const vec3 &p : triangles.positions) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
+  mesh.corner_vertices = triangles.corner_vertex;
+  for (size_t c = 0; c < triangles.corner_vertex.size(); ++c) mesh.triangle_corners.push_back(static_cast<int32_t>(c));
+  std::string why_not;
+  const Context context = open_context(PDESC_BACKEND_CPU, why_not);
+  const Mesh subject = make_mesh(context.get(), mesh);
+  pdesc_options options;
+  pdesc_options_init(&options);
+  options.radius = 1.5;
+  options.radius_unit = PDESC_RADIUS_ABSOLUTE;
+  const auto note = [](void *user, const char *, double fraction) {
+    static_cast<std::vector<double> *>(user)->push_back(fraction);
+    return int32_t{1};
+  };
+  std::vector<double> told;
+  const char *name = "mean_curvature";
+  pdesc_field *field = nullptr;
+  ASSERT_EQ(pdesc_compute(subject.get(), &options, &name, 1, note, &told, &field), PDESC_OK) << pdesc_last_error();
+  const Field owner(field);
+  EXPECT_GT(std::ranges::count_if(told, [](double fraction) { return fraction > 0.55 && fraction < 0.95; }), 5);
+}
+
 } // namespace
 } // namespace paradesc::test

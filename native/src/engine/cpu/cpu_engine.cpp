@@ -214,8 +214,9 @@ public:
   // The first points, that many.
   CenterResults at_points(std::span<const int> rows, int32_t count, const std::function<void(double)> &progress) const {
     CenterResults results =
-        at(centers_at_points(surface_, space_, count, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
-    creases_.at_points(rows, results);
+        at(centers_at_points(surface_, space_, count, source_.threads), source_.map ? *source_.map : MapValues(), rows,
+           creases_.before(progress));
+    creases_.at_points(rows, results, progress);
     return results;
   }
 
@@ -224,8 +225,9 @@ public:
                           const std::function<void(double)> &progress) const {
     MapValues map;
     if (source_.map) map = map_at_texels(surface_, texels, *source_.map, first, last, source_.threads);
-    CenterResults results = at(centers_at_texels(surface_, space_, texels, first, last, source_.threads), map, rows, progress);
-    creases_.at_texels(rows, texels, first, results);
+    CenterResults results =
+        at(centers_at_texels(surface_, space_, texels, first, last, source_.threads), map, rows, creases_.before(progress));
+    creases_.at_texels(rows, texels, first, results, progress);
     return results;
   }
 
@@ -257,13 +259,14 @@ static CenterResults run_exactly(const Surface &surface, const Request &request,
                                  const PointPatches &patches, const PatchSurface &patch_surface, const Resources &resources,
                                  const std::function<void(double)> &progress) {
   const double radius = radius_of(pass, request.options, request.radius);
+  const CreaseBlend creases(surface, pass.rows, radius, resources.threads);
   CenterResults results = unknown_results(static_cast<size_t>(surface.half_edges.point_count), pass.rows);
   evaluate_exactly({patches, patch_surface, ball_targets()[0], plan_sums(pass.rows, request.options, false),
                     params_of(request, space.scale, static_cast<float>(radius * space.scale), 0.0f), pass.rows, resources.threads,
-                    progress},
+                    creases.before(progress)},
                    results);
   scale_values(pass.rows, space.scale, results);
-  CreaseBlend(surface, pass.rows, radius, resources.threads).at_points(pass.rows, results);
+  creases.at_points(pass.rows, results, progress);
   return results;
 }
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "descriptor/registry.h"
+#include "support/cancel.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -103,8 +105,18 @@ struct SolidPlace {
 
 } // namespace
 
+bool CreaseBlend::changes(std::span<const int> rows) const { return near_ && std::ranges::any_of(rows, is_of_solid); }
+
+static constexpr double share_before = 0.5;
+
+CreaseBlend::Part CreaseBlend::before(const Part &whole) const {
+  if (!near_) return whole;
+  return [whole](double done) { whole(share_before * done); };
+}
+
 template <class FindPlace>
-void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace &find_place, CenterResults &results) const {
+void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace &find_place, CenterResults &results,
+                        const Part &whole) const {
   EvaluateParams params{};
   params.radius = static_cast<float>(radius_);
   const auto blend_one = [&](size_t i, SolidMeasure &measure) {
@@ -124,6 +136,12 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
       mix(&results.values[k][i * components], rows_of_solid[rows[k]](solid), components, static_cast<float>(tensor.weight));
     }
   };
+  std::atomic<size_t> done{0};
+  std::optional<CancelScope> cancel;
+  if (whole)
+    cancel.emplace([&] {
+      whole(share_before + (1 - share_before) * static_cast<double>(done) / static_cast<double>(std::max<size_t>(count, 1)));
+    });
   Pool<SolidMeasure> measures;
   parallel_blocks(static_cast<int>(count), threads_, 64, [&](int begin, int end) {
     measures.with_one([&] { return SolidMeasure(*creased_, radius_); },
@@ -133,22 +151,24 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
                           blend_one(static_cast<size_t>(i), measure);
                         }
                       });
+    done += static_cast<size_t>(end - begin);
   });
 }
 
-void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results) const {
-  if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results, const Part &whole) const {
+  if (!changes(rows)) return;
   const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
     const int32_t point = results.point[i];
     return SolidPlace{dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[point]]), normals.point[point],
                       surface_.half_edges.point_half_edge[point] / 3, point};
   };
-  blend(rows, results.point.size(), find_place, results);
+  blend(rows, results.point.size(), find_place, results, whole);
 }
 
-void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const {
-  if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results,
+                            const Part &whole) const {
+  if (!changes(rows)) return;
   const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
     const TexelCenter &center = texels.centers[first + i];
@@ -165,7 +185,7 @@ void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, s
     const float size = length(normal);
     return SolidPlace{position, size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f), center.triangle, -1};
   };
-  blend(rows, results.boundary.size(), find_place, results);
+  blend(rows, results.boundary.size(), find_place, results, whole);
 }
 
 } // namespace paradesc

@@ -1,6 +1,7 @@
 // Values that an engine found as if the surface were smooth → values that hold near creases, where curvature is the solid's.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -14,19 +15,27 @@ namespace paradesc {
 // rows follows from curvature.
 class CreaseBlend {
 public:
+  using Part = std::function<void(double)>; // takes what share of a pass is done, and may throw to end it
+
   CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
 
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;
 
+  // Blending often takes as long as all before it, so half of a pass is left for it: gives the progress of what comes before.
+  Part before(const Part &whole) const;
+
   // results: of some of the rows, at points, in units of the positions. Rows that do not follow from curvature stay unchanged.
-  void at_points(std::span<const int> rows, CenterResults &results) const;
+  // whole: gets the progress of the second half; without it the caller's cancel scope remains.
+  void at_points(std::span<const int> rows, CenterResults &results, const Part &whole = {}) const;
   // Blends the results of texels from `first` on.
-  void at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const;
+  void at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results,
+                 const Part &whole = {}) const;
 
 private:
+  bool changes(std::span<const int> rows) const;
   template <class FindPlace>
-  void blend(std::span<const int> rows, size_t count, const FindPlace &place, CenterResults &results) const;
+  void blend(std::span<const int> rows, size_t count, const FindPlace &place, CenterResults &results, const Part &whole) const;
 
   const Surface &surface_;
   double radius_;
