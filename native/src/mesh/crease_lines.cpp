@@ -1,4 +1,4 @@
-// Lines by union-find; what bends around them, in balls that overlap along each line.
+// Finds lines by union-find, and sums the bends around them in balls that overlap along each line.
 #include "mesh/crease_lines.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::array<int32_t, 2> ends_of(const HalfEdges &half_edges, int32_t edge) {
   return {half_edges.corner_point[edge], half_edges.corner_point[next_corner(edge)]};
 }
 
-// Lines in the order of their first edges.
+// Lines are in the order of their first edges.
 EdgeLines join(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> edges) {
   const auto points = static_cast<size_t>(half_edges.point_count);
   std::vector<int32_t> parent(points), number(points, -1), edges_at(points, 0);
@@ -62,7 +62,7 @@ dvec3 middle_of(const Triangles &triangles, int32_t edge) {
   return 0.5 * (dvec3(triangles.position(edge)) + dvec3(triangles.position(next_corner(edge))));
 }
 
-// One edge of each line in each cell, by their numbers: those that lie close together see the same.
+// Returns the indices of one edge per line and cell. Edges of a line that lie close together have the same surroundings.
 std::vector<int32_t> spread_out(const Triangles &triangles, std::span<const int32_t> edges, const EdgeLines &lines) {
   constexpr double close = 0.4; // of the reach
   using Cell = std::tuple<int32_t, double, double, double>;
@@ -80,7 +80,7 @@ std::vector<int32_t> spread_out(const Triangles &triangles, std::span<const int3
   return first;
 }
 
-// Along the segment, the integral of 1 - rho^2 / r^2 within the ball around the origin.
+// Returns the integral of 1 - rho^2 / r^2 along the part of a segment within the ball around the origin.
 double bowl_on_segment(dvec3 begin, dvec3 end, double radius) {
   const dvec3 edge = end - begin;
   const double length = glm::length(edge);
@@ -92,10 +92,10 @@ double bowl_on_segment(dvec3 begin, dvec3 end, double radius) {
   return low < high ? up_to(high) - up_to(low) : 0;
 }
 
-// Signed bends times the dyads of the edges' directions.
+// The sum of signed bends times the dyads of the edges' directions.
 struct BendTensor {
   dmat3 sum{0.0};
-  double squares = 0; // the squared norm to expect of random signs
+  double squares = 0; // the squared norm expected for random signs
 
   void add(double bend, dvec3 direction) {
     sum += glm::outerProduct(bend * direction, direction);
@@ -132,7 +132,7 @@ public:
   }
 
 private:
-  // The chord of the angle between the normals beside an edge, negative where the surface is concave.
+  // Returns the chord of the angle between the normals beside an edge. It is negative where the surface is concave.
   double signed_chord(int32_t half_edge, dvec3 way) const {
     const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
     return std::copysign(static_cast<double>(length(left - right)), glm::dot(dvec3(cross(left, right)), way));

@@ -1,4 +1,4 @@
-// Edges → the lines that they form, and how the surface turns along them.
+// Edges → the lines that they form, and the turning of the surface along them.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 
 namespace paradesc {
 
-// How normals turn over the edges in a ball around a place of a line. Bends are weighed by a bowl that is 0 at the ball's rim.
+// The turning of normals across the edges in a ball around a place of a line. Bends are weighted by a bowl that is 0 at the
+// ball's rim.
 struct Turning {
-  double edges = 0;       // bends of the line's own and all other chosen edges, as absolute values
-  double others = 0;      // those of all other edges
+  double edges = 0;       // absolute bends of the line's own and all other chosen edges
+  double others = 0;      // absolute bends of all other edges
   double net = 0;         // norm of the tensor of all edges, in which bends back and forth cancel
-  double others_net2 = 0; // squared norms of the other edges' tensors, octant by octant, less what random signs leave
+  double others_net2 = 0; // squared norms of the other edges' tensors by octant, less those expected of random signs
 };
 
 struct EdgeLine {
-  int edges = 0, ends = 0;      // ends within the surface
-  double length = 0, reach = 0; // of its edges; of the balls around them
-  int places = 0, agreed = 0;   // along it, and those of which the judge said yes
+  int edges = 0, ends = 0;      // ends that are not on the boundary
+  double length = 0, reach = 0; // of its edges; of the balls around its places
+  int places = 0, agreed = 0;   // places along it, and those that the judge accepted
 
   bool is_agreed() const { return 2 * agreed >= places; }
 };
@@ -33,9 +34,9 @@ struct EdgeLines {
 
 using JudgePlace = bool (*)(const EdgeLine &, const Turning &);
 
-// Lines of edges that hang together at points, judged by what lies around places along them.
+// Joins edges that share points into lines, and judges each line by the surroundings of places along it.
 // edges: first half-edges, ascending. chosen: (3 * triangle_count) 1 on both sides of these edges. normals: (triangle_count)
-// round_steady_normals. A ball reaches as far as least_reach, and edges_in_reach mean edges of its line.
+// round_steady_normals. The radius of a line's balls is the larger of least_reach and edges_in_reach mean edges of the line.
 EdgeLines judge_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> edges,
                       std::span<const uint8_t> chosen, std::span<const vec3> normals, double least_reach, double edges_in_reach,
                       JudgePlace judge, int threads = 0);

@@ -1,4 +1,4 @@
-// Dihedral angles → candidates, by what bends beside them; candidates → lines that do not end in smooth surface.
+// Dihedral angles → candidates that bend more than their surroundings → lines that do not end in smooth surface.
 #include "mesh/creases.h"
 
 #include <algorithm>
@@ -19,20 +19,20 @@ namespace paradesc {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double least_bend = 19.9 * degree; // 20, as rounded positions have it
+constexpr double least_bend = 19.9 * degree; // 20 degrees, with a margin for rounded positions
 constexpr double least_hard_bend = 50 * degree;
-constexpr double least_corner_bend = 60 * degree, most_corner_bend = 150 * degree; // beyond it the surface is folded
-constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5;                // times as much as what bends beside an edge
-constexpr double reach = 3;                                                        // of the width of the narrower triangle
-constexpr double flat = 0.3;                  // of the edge's bend: what the search goes on over
+constexpr double least_corner_bend = 60 * degree, most_corner_bend = 150 * degree; // beyond this the surface is folded
+constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5;                // relative to the bends beside an edge
+constexpr double reach = 3;                                                        // relative to the narrower triangle's width
+constexpr double flat = 0.3;                  // relative to the edge's bend; the search continues across edges below it
 constexpr size_t max_searched = 24;           // triangles on one side
-constexpr double least_gap_bend = 0.5;        // of the line's at its end
-constexpr double least_straight = 0.8;        // cosine of a turn along a line in a gap
-constexpr double line_reach = 4;              // mean edges of a line
-constexpr double polyhedron = 8, corners = 2; // times as much as all other edges
-constexpr double least_net = 0.75;            // of a line's bends
+constexpr double least_gap_bend = 0.5;        // relative to the bend of the line's end
+constexpr double least_straight = 0.8;        // cosine of the turn along a line in a gap
+constexpr double line_reach = 4;              // in mean edges of a line
+constexpr double polyhedron = 8, corners = 2; // relative to all other edges
+constexpr double least_net = 0.75;            // relative to a line's bends
 constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
-constexpr int least_line = 16; // edges, of a line in any other surface
+constexpr int least_line = 16; // edges of a line in any other surface
 constexpr int block_size = 1024;
 
 dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
@@ -41,7 +41,7 @@ double bend_of(const Triangles &triangles, const HalfEdges &half_edges, std::spa
   return bend_between(dvec3(normals[half_edge / 3]), dvec3(normals[half_edges.twin[half_edge] / 3]), along(triangles, half_edge));
 }
 
-// Looks at what bends beside edges.
+// Compares an edge with the bends beside it.
 class Surroundings {
 public:
   Surroundings(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals)
@@ -54,25 +54,25 @@ public:
     const Side left_side = side_of(half_edge), right_side = side_of(twin);
     const double distance = reach * std::min(left_side.width, right_side.width);
     if (!(distance > 0)) return false;
-    // Beside a needle the same bend may come twice, there and back.
+    // Beside a needle, the same bend may occur twice, once in each direction.
     if (left_side.is_needle || right_side.is_needle) return true;
     const double left = most_bent(half_edge, bend, distance, both_sides), right = most_bent(twin, bend, distance, both_sides);
     if (size >= both_sides * std::max(left, right)) return true;
-    const auto is_bevel = [&](double most, int other) { // the side that is flat, and the other one, where no bend takes it back
+    const auto is_bevel = [&](double most, int other) { // most: of the flat side; other: must not take the bend back
       return size >= one_side * most && size >= both_sides * most_bent(other, bend, distance, both_sides, Which::back);
     };
     if (is_bevel(left, twin) || is_bevel(right, half_edge)) return true;
     return size >= least_hard_bend && size >= own_triangles * most_of_own(half_edge, bend, Which::all);
   }
 
-  // Tells of an edge that does not stand out whether only edges that may meet it at a solid's corner, at any angle, hide it.
+  // Returns whether an edge that does not stand out is hidden only by edges that may meet it at a solid's corner, at any angle.
   bool may_meet_others(int half_edge) const {
     const double bend = bend_of(half_edge);
     return is_corner(bend) && std::abs(bend) >= own_triangles * most_of_own(half_edge, bend, Which::no_corner);
   }
 
 private:
-  enum class Which { all, back, no_corner }; // back: those alone that bend the other way
+  enum class Which { all, back, no_corner }; // back: only edges that bend the other way
 
   static bool is_corner(double bend) { return std::abs(bend) >= least_corner_bend && std::abs(bend) <= most_corner_bend; }
 
@@ -83,17 +83,17 @@ private:
 
   double bend_of(int half_edge) const { return paradesc::bend_of(triangles_, half_edges_, normals_, half_edge); }
 
-  // It bends no more than that, which is told without the angle: below a quarter of a turn, that is over its chord by less than a
-  // ninth. Beside a needle, whose normal is another face's, it may bend less by far.
+  // Returns an upper bound of the bend without computing the angle. Below a quarter turn, an angle exceeds its chord by less than
+  // a ninth. Beside a needle, whose normal is that of another face, the edge may bend far less.
   double most_of_bend(int half_edge) const {
     const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
-    constexpr double over_chord = 0.056; // of the chord's cube: a 24th for small angles
+    constexpr double over_chord = 0.056; // relative to the chord's cube; a 24th for small angles
     if (!(glm::dot(left, right) > 0.01f)) return pi;
     const auto chord = static_cast<double>(length(left - right));
     return chord + over_chord * chord * chord * chord;
   }
 
-  // The triangle beside a half-edge; a needle is as wide as what lies behind it.
+  // The triangle beside a half-edge. A needle is as wide as the triangle behind it.
   struct Side {
     double width;
     bool is_needle;
@@ -115,7 +115,7 @@ private:
     double length;
   };
 
-  // An edge beside the line, not before or after it, and at most this far from it.
+  // Returns whether an edge is beside the line, not before or after it, and at most this far away.
   static bool is_beside(const Line &line, dvec3 p, dvec3 q, double distance) {
     constexpr double overlap = 0.05;
     const double from = glm::dot(p, line.direction), to = glm::dot(q, line.direction);
@@ -124,9 +124,10 @@ private:
     return std::min(glm::dot(first, first), glm::dot(last, last)) <= distance * distance;
   }
 
-  // The most that an edge beside this one, which bends by bend_here, bends along it, on the side of this half-edge; distance
-  // below 0: of its own triangle's edges. Of what is above that bend, so many times, any will do, and what no factor brings there
-  // counts as nothing.
+  // Returns the largest bend along this edge among the edges beside it, on the side of this half-edge. bend_here: the bend of the
+  // edge itself. If distance is negative, only the edges of its own triangle count. The result is only exact where it matters:
+  // any value that exceeds the own bend after multiplication by `times` will do, and values that are too small for every factor
+  // are skipped.
   double most_bent(int half_edge, double bend_here, double distance, double times, Which which = Which::all) const {
     const double own_bend = std::abs(bend_here);
     const dvec3 begin = corner_position(triangles_, half_edge),
@@ -168,8 +169,8 @@ private:
   std::span<const vec3> normals_; // of steady faces
 };
 
-// Finds the edges that noise hides in a line: from a line's end, the edge that goes on straight and bends the same way, if it
-// comes to a line again.
+// Finds the edges that noise hides in a line. From a line's end, the next edge goes on straight and bends the same way, and it
+// leads to a line again.
 class Gaps {
 public:
   Gaps(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, const std::vector<int32_t> &edges)
@@ -179,7 +180,7 @@ public:
       for (const int32_t h : {edge, half_edges_.twin[edge]}) ++edges_at_[half_edges_.corner_point[h]];
   }
 
-  // edge: from a line's end into the line. -1: nothing closes the gap behind that end.
+  // edge: from a line's end into the line. Returns -1 if nothing closes the gap behind that end.
   int32_t closing(int32_t edge) const {
     if (edges_at(edge) != 1 || edges_at(next_corner(edge)) < 2) return -1;
     const int32_t next = straight_on(edge);
@@ -191,7 +192,7 @@ private:
 
   double bend_of(int32_t edge) const { return paradesc::bend_of(triangles_, half_edges_, normals_, edge); }
 
-  // Finds the half-edge from the same point that goes on most of all; -1: none.
+  // Finds the half-edge from the same point that continues the line best, or -1.
   int32_t straight_on(int32_t back) const {
     const dvec3 way = -glm::normalize(along(triangles_, back));
     int32_t best = -1;
@@ -212,7 +213,8 @@ private:
   std::vector<int32_t> edges_at_; // (points)
 };
 
-// A line goes on, and its bends are not taken back beside it: see find_creases. The more others bend, the more has to be left.
+// Returns whether a line continues and its bends are not taken back beside it: see find_creases. More of them must remain if
+// other edges bend more.
 bool goes_on(const EdgeLine &line, const Turning &turning) {
   const double purity = turning.edges / turning.others, least = std::max(least_net_of_all, least_net - net_for_purity * purity);
   return turning.net >= least * turning.edges && (line.edges >= least_line || line.ends == 0 || purity >= polyhedron);
@@ -248,7 +250,7 @@ Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) 
   return creases_along(half_edges, std::move(edges));
 }
 
-// Those of some triangles that bend, by about the least bend, in order.
+// Returns the edges of some triangles that bend by about the least bend, in order.
 static std::vector<int32_t> bent_edges(const HalfEdges &half_edges, std::span<const vec3> normals, int begin, int end) {
   constexpr float least_cosine = 0.93969262f + 1e-3f; // of the least bend
   std::vector<int32_t> bent(static_cast<size_t>(3 * (end - begin)));
@@ -256,7 +258,7 @@ static std::vector<int32_t> bent_edges(const HalfEdges &half_edges, std::span<co
   for (int t = begin; t < end; ++t) {
     const vec3 &own = normals[t];
     for (int32_t edge = 3 * t; edge < 3 * t + 3; ++edge) {
-      // Without branches: half of the edges are another's twin, by no rule.
+      // This has no branches, since which half-edge of a pair comes first is unpredictable.
       const int32_t twin = half_edges.twin[edge];
       bent[count] = edge;
       count += static_cast<size_t>((twin > edge) &
@@ -283,7 +285,7 @@ Creases creases_of_lines(const HalfEdges &half_edges, const std::vector<int32_t>
   return creases_along(half_edges, union_of(agreed, kept.edges));
 }
 
-// Judges the lines of the edges, which ascend, and keeps those that are agreed beside the kept ones.
+// Judges the lines of the edges, which ascend, and returns the agreed ones together with the kept creases.
 static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals,
                           const std::vector<int32_t> &edges, const Creases &kept, JudgePlace judge, int threads) {
   const Creases chosen = creases_along(half_edges, union_of(edges, kept.edges));
@@ -291,7 +293,7 @@ static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edge
   return creases_of_lines(half_edges, edges, lines, kept);
 }
 
-// The hidden edges, and those that hang together with one: all other lines are judged already.
+// Returns the hidden edges and all edges connected to one. All other lines are judged already.
 static std::vector<int32_t> joined_by(const HalfEdges &half_edges, const std::vector<int32_t> &edges,
                                       const std::vector<int32_t> &hidden) {
   std::vector<int32_t> parent(static_cast<size_t>(half_edges.point_count));
@@ -314,7 +316,7 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   const Creases marked = marked_creases(triangles, half_edges);
   const Surroundings surroundings(triangles, half_edges, normals);
   struct Found {
-    std::vector<int32_t> edges, hidden; // the latter: which may meet others at corners
+    std::vector<int32_t> edges, hidden; // hidden: may meet others at corners
   };
   std::vector<Found> found(static_cast<size_t>(triangles.triangle_count / block_size + 1)); // block by block
   parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {

@@ -1,5 +1,6 @@
-// Triangles → creases, the edges along which a surface has no tangent plane: those marked sharp, and those whose dihedral angle
-// stands out from its surroundings. Normals do not reach over them, and curvature beside them is that of the solid.
+// Triangles → creases. These are the edges along which a surface has no tangent plane: edges marked sharp, and edges whose
+// dihedral angle stands out from its surroundings. Normals are not averaged across creases, and curvature near them is that of
+// the solid.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@
 namespace paradesc {
 
 struct Creases {
-  std::vector<int32_t> edges;     // of each crease, its first half-edge; ascending
-  std::vector<uint8_t> half_edge; // (3 * triangle_count) 1: on a crease; both sides alike. Empty where there are none
+  std::vector<int32_t> edges;     // the first half-edge of each crease, ascending
+  std::vector<uint8_t> half_edge; // (3 * triangle_count) 1: on a crease; both sides alike. Empty if there are no creases
 
   bool contains(int32_t index) const { return !half_edge.empty() && half_edge[index] != 0; }
   bool operator==(const Creases &other) const { return edges == other.edges; }
@@ -23,24 +24,24 @@ struct Creases {
 // edges: as in Creases.
 Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 
-// Depends on positions: an edge that bends may become a crease. It is one if it is marked and both of its faces are smooth, or if
-// - it bends by 20 degrees, and three times as much as any edge that runs along with it beside it on either side, or eight times
-//   as much as any on one of its sides (the flat side of a bevel); beside is within three times the width of the narrower
-//   triangle;
-// - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
-// Unmarked edges that hang together are a line. Within four of its edges around it, a line of a polyhedron bends eight times as
-// much as all other edges. Any other line has 16 edges at least, and what it bends is not taken back beside it, as a step of a
-// staircase, a needle and a fold are. Edges of noise are as bent as their neighbors, and those of a coarse smooth surface are,
-// too. At a corner of a solid that is no right one, edges of one triangle hide each other. Such ones, of 60 to 150 degrees the
-// same way, do not count beside each other where all of their line bends twice as much as all other edges around it, which no
-// line in noise does. normals: (triangle_count) round_steady_normals.
+// Finds the creases. They depend on positions: an edge that bends may become a crease. An edge is one if it is marked and both of
+// its faces are smooth, or if one of these is true:
+// - It bends by 20 degrees, and three times as much as any edge along it on either side, or eight times as much as any edge on
+//   one side (the flat side of a bevel). Edges count up to a distance of three times the width of the narrower triangle.
+// - It bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
+// Connected unmarked edges form a line. Within four mean edges around it, a line of a polyhedron bends eight times as much as all
+// other edges. Any other line has at least 16 edges, and its bends are not taken back beside it, as those of stair steps, needles
+// and folds are. Edges of noise bend as much as their neighbors, and so do edges of a coarse smooth surface. At an oblique corner
+// of a solid, edges of one triangle hide each other. If they bend by 60 to 150 degrees the same way, they do not count beside
+// each other if their whole line bends twice as much as all other edges around it. No line in noise does that. normals:
+// (triangle_count) round_steady_normals.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
-// Has the edges whose lines are agreed, and the kept ones. lines: of the edges, which ascend.
+// Returns the edges of agreed lines together with the kept creases. lines: the lines of `edges`, which ascend.
 Creases creases_of_lines(const HalfEdges &half_edges, const std::vector<int32_t> &edges, const EdgeLines &lines,
                          const Creases &kept);
 
-// The marked ones alone.
+// Returns the marked creases only.
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// The sums of one set of instructions: compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
+// The sums for one instruction set. This file is compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
 #include "engine/cpu/add_samples.h"
 
 #include <array>
@@ -10,20 +10,20 @@
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-// ---- Which samples
+// ---- Selection
 
-// Whether the surface may come nearer to the center on a sample than around it: there the way to the center is one of the
-// surface's normals, or lies between them, which lean from that of the face by its turn at most. From that face the surface rises
-// by its turn as far as it reaches.
+// Returns whether the distance to the center may have a local minimum on a sample. At such a point the direction to the center is
+// one of the surface's normals, or lies between them. Their angle to the face normal is at most the turn. The surface rises from
+// the face by at most turn times reach.
 inline Choices may_be_nearest(const Lanes &square, const Lanes &height, const Lanes &reach, const Lanes &turn) {
-  constexpr float normals_length = 0.95f; // squared, at least: of mean normals
+  constexpr float normals_length = 0.95f; // least squared length of mean normals
   const Lanes turned = reach + turn * (turn * reach + max(height, -1.0f * height));
   return square - height * height * (1.0f / normals_length) < turned * turned;
 }
 
 using FourIndices [[gnu::vector_size(16)]] = int32_t;
 
-// Of four bits, those that are set, first.
+// For each mask of four bits, the indices of the set bits come first.
 constexpr auto set_bits = [] {
   struct {
     int32_t places[16][4], count[16];
@@ -34,7 +34,7 @@ constexpr auto set_bits = [] {
   return table;
 }();
 
-// Four at a time, of which those that are not set are written over. Returns the number of items.
+// Appends indices by groups of four. Unset entries are overwritten by the next group. Returns the new length of the list.
 inline int32_t append(uint32_t bits, int32_t first, int32_t *list, int32_t count) {
   for (int i = 0; i < lane_count; i += 4) {
     const uint32_t four = bits >> i & 15;
@@ -96,7 +96,7 @@ BallBits find_balls(const Balls &balls, const float *middle, float reach) {
   return bits;
 }
 
-// As meets_ball() has it.
+// The same test as meets_ball().
 uint64_t balls_of_edge(const Balls &balls, const float *from, const float *to) {
   const Vector<3, Lanes> a = all(from), b = all(to);
   const float square = balls.radius * balls.radius;
@@ -112,14 +112,14 @@ uint64_t balls_of_edge(const Balls &balls, const float *from, const float *to) {
   return bits;
 }
 
-// ---- Their sums
+// ---- Sums
 
 template <class Wide> struct Adder {
   using Neighbor = typename Wide::Neighbor;
   Wide kernel;
   typename Wide::Sums sums;
 
-  // may_be_cut: the rim may cut some of the samples; else they lie in the ball.
+  // may_be_cut: the rim may cut some of the samples; if false, they lie within the ball.
   template <bool may_be_cut> [[gnu::always_inline]] void add(const FlatSample *const *samples, const SampleMap *const *maps) {
     const Seen seen(samples, sums.center.position);
     const float radius = kernel.params.radius;
@@ -132,18 +132,19 @@ template <class Wide> struct Adder {
       add_part<may_be_cut>(seen, distances, part);
   }
 
-  // What the parts of blocks come to.
+  // The sums over block parts.
   struct BlockSums {
     Lanes area = 0.0f, squares = 0.0f, facets = 0.0f, noise = 0.0f, yy = 0.0f;
-    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};       // x not in units of the radius
-    Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as SampleBlock has it
+    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};       // x in units of the positions
+    Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as in SampleBlock
   };
 
-  // By corners: the second moments of a triangle are those of its corners and, nine times, of its middle, over twelve.
+  // Uses corners: a triangle's second moments are a twelfth of its area times the products of its corners plus those of their
+  // sum.
   void add_block(const SampleBlock &block, uint32_t samples, int first, BlockSums &to) const {
     const Choices chosen = choices_of(samples >> first);
     const Lanes weight = mix(0.0f, load(block.area + first), chosen);
-    Lanes x = 0.0f, y = 0.0f; // of the middle, three times
+    Lanes x = 0.0f, y = 0.0f; // sums over the corners
     Vector<3, Lanes> squares(Lanes(0.0f));
     for (const auto &corner : block.corner) {
       const Vector<3, Lanes> offset = load3(corner, first) - sums.center.position;
@@ -185,7 +186,7 @@ template <class Wide> struct Adder {
     sums.moments.yy += of_blocks.yy;
   }
 
-  // By its mean position and what varies around it.
+  // Adds a part by its mean position and the variation around it.
   template <bool may_be_cut>
   [[gnu::always_inline]] void add_part(const Seen &seen, const Distances &distances, const Part &part) {
     Neighbor neighbor;
@@ -197,7 +198,7 @@ template <class Wide> struct Adder {
     add_variance(seen, part, neighbor.distance);
   }
 
-  // By the middles of its edges, where a quadratic has its mean: sums for operators have the map times squares of positions.
+  // Adds a part by its edge midpoints, over which a quadratic has its mean. Operators sum the map times squared positions.
   template <bool may_be_cut> void add_middles(const Seen &seen, const Part &part, const SampleMap *const *maps) {
     constexpr float middles[3][2] = {{root2, 0.0f}, {-0.5f * root2, 0.5f * root6}, {-0.5f * root2, -0.5f * root6}};
     const Vector<4, Lanes> mean = gather<offsetof(SampleMap, mean)>(maps), first = gather<offsetof(SampleMap, along[0])>(maps),
@@ -239,7 +240,7 @@ template <class Wide> struct Adder {
     return distances;
   }
 
-  // At the rim, what is within the radius, but not along the surface.
+  // Returns the area at the rim that is within the radius in space, but not along the surface.
   Lanes strip_of(const Seen &seen, const Part &part) const {
     const float radius = kernel.params.radius;
     const Vector<3, Lanes> offset = seen.at(part.chord_place), normal = seen.normal_at(part.chord_place);
@@ -247,7 +248,7 @@ template <class Wide> struct Adder {
     const Lanes bend = dot(normal * per_length - sums.center.normal, offset) * (1.0f / radius);
     const Lanes per_arc = seen.per_radius_of_arc(radius);
     const Lanes square = bend * bend * (1.0f / 24.0f), chord = min(part.chord * per_arc * per_arc, 4.0f);
-    // Half of r^2 - r^2 / (1 + square)^2 for each angle; and the angle of the chord.
+    // The strip has (r^2 - r^2 / (1 + square)^2) / 2 per unit of angle. The last factors are the angle of the chord.
     return 0.5f * radius * radius * square * (2.0f + square) / ((1.0f + square) * (1.0f + square)) * fast_sqrt(chord) *
            (1.0f + chord * (1.0f / 24.0f + 3.0f / 640.0f * chord));
   }
@@ -261,13 +262,13 @@ template <class Wide> struct Adder {
     return clip(seen, inside, distances.edge, seen.per_radius_of_arc(radius));
   }
 
-  // The neighbor stands for the part.
+  // Lets the neighbor represent the part.
   template <bool may_be_cut> void place(const Seen &seen, const Part &part, Neighbor &neighbor) {
     neighbor.offset = may_be_cut ? seen.at(part.place) : seen.offset;
     neighbor.normal = may_be_cut ? seen.normal_at(part.place) : seen.normal;
     const Lanes square = square_of(neighbor.offset), share = part.area * seen.per_area;
     neighbor.rho = fast_sqrt(square);
-    // The mean distance grows by what varies across the way.
+    // The mean distance grows with the variance perpendicular to the offset.
     const Lanes u = dot(neighbor.offset, seen.along[0]), v = dot(neighbor.offset, seen.along[1]);
     const Lanes per_rho = fast_inversesqrt(max(square, 1e-30f));
     neighbor.mean_rho = fast_sqrt(square + share * max(seen.spread() - (u * u + v * v) * per_rho * per_rho, 0.0f));
@@ -280,9 +281,9 @@ template <class Wide> struct Adder {
     neighbor.noise = mix(0.0f, seen.noise * (1.0f / (kernel.params.radius * kernel.params.radius)), part.area > 0.0f);
   }
 
-  // The means of |n - n_i|^2/rho^2 and of e e^T, by four places. Of a triangle that has the center at a corner they are those
-  // along the opposite edge, where it is not cut, for they depend on the direction alone: by Gauss's places on both sides of the
-  // bisector. Of others, those over the part.
+  // Finds the means of |n - n_i|^2/rho^2 and of e e^T by four quadrature points. If the center is a corner of an uncut triangle,
+  // both depend on the direction only. They are averaged along the opposite edge, by Gauss points on both sides of the bisector.
+  // For other triangles, the points are spread over the part.
   void find_turning(const Seen &seen, const Part &part, const Lanes *squares, Neighbor &neighbor) {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;
     const Choices at0 = squares[0] < near, at2 = squares[2] < near, apart = !(at0 || squares[1] < near || at2);
@@ -313,7 +314,7 @@ template <class Wide> struct Adder {
     }
   }
 
-  // To the moments that the parts' mean positions and normals have, what these vary within them.
+  // Adds the variation within the parts to the moments of their mean positions and normals.
   void add_variance(const Seen &seen, const Part &part, const Lanes &distance) {
     const Lanes weight = part.area * part.area * seen.per_area;
     for (int k = 0; k < 2; ++k) {
@@ -331,7 +332,7 @@ template <class Wide> struct Adder {
 
 using LanesOfSums = float[max_sums][block_lanes];
 
-// The lanes of one pass go where they belong among all. Returns where the next part's go.
+// Stores the lanes of one pass at their place among all lanes. Returns the index of the next sum.
 template <class Part> size_t store(const Part &part, int pass, LanesOfSums &sums, size_t at) {
   constexpr size_t count = sizeof(Part) / sizeof(Lanes);
   for (size_t i = 0; i < count; ++i)

@@ -1,7 +1,8 @@
-// Samples of the surface → those in the ball around a center, and their sums, by the widest instructions that the processor has.
+// Samples of the surface → the samples in the ball around a center, and their sums, computed with the widest instructions that
+// the processor has.
 //
-// A lane is a sample: samples are taken sixteen at a time whatever the width, and the sixteen sums are added up in one order. So
-// results have the same bits whatever the instructions, and whichever samples outside the ball were looked at.
+// Each lane holds one sample. Samples are processed sixteen at a time whatever the width, and the sixteen partial sums are added
+// in one fixed order. So results have the same bits for all instruction sets, whichever samples outside the ball were examined.
 #pragma once
 
 #include <cstddef>
@@ -13,70 +14,70 @@ namespace paradesc {
 
 struct EvaluateParams;
 
-// A Sample of engine/cpu/pieces.h in plain floats. Four are read at a time from wherever three belong together.
+// A Sample of engine/cpu/pieces.h in plain floats. Kernels load four consecutive floats at once wherever three belong together.
 struct alignas(16) FlatSample {
   float position[3], area;
   float normal[3], turn;
   float along[2][3], normal_along[2][3];
   float face[3], reach;
-  float noise, facet; // as those of a Sample
-  int32_t surfel;     // of which it is, or is part
+  float noise, facet; // as in a Sample
+  int32_t surfel;     // the surfel that it is, or is part of
 };
 
-// What operators look at: gradient and value, as the normal of a sample: their mean, and how they vary along both directions.
+// The map at a sample, for operators: gradient and value. It has the mean and the variation along both directions, like normals.
 struct alignas(16) SampleMap {
   float mean[4], along[2][4];
 };
 
-inline constexpr int block_lanes = 16; // samples that are added together
+inline constexpr int block_lanes = 16; // samples that are processed together
 
 struct SumCenter {
   float position[3], normal[3];
   float value; // of the map
 };
 
-// Samples side by side: what is asked of them before they are read, and all that the shape operator needs of those that lie in
+// Samples as structure of arrays: the data that selection reads first, and all that the shape operator needs of samples within
 // the ball.
 struct alignas(64) SampleBlock {
   float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], reach[block_lanes];
   float normal[3][block_lanes], area[block_lanes], noise[block_lanes], facet[block_lanes];
-  float turning[6][block_lanes]; // their area times how normals vary with positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
+  float turning[6][block_lanes]; // area times the covariation of normals and positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
 };
-// Blocks in which a ball's samples may be, and the spheres around them: middles and radii, as many as fill whole blocks.
+// Blocks that may contain samples of the ball, and their bounding spheres: centers and radii, padded to whole blocks.
 struct Candidates {
   const SampleBlock *const *block;
   const float *sphere[4];
-  int32_t count; // of spheres
+  int32_t count; // number of spheres
 };
-// Some samples of a block, as bits.
+// A subset of a block's samples, as a bit mask.
 struct BlockPart {
   int32_t block;
   uint32_t samples;
 };
-// Of candidates, block by block, in lists that have room for all.
+// The result of a selection among candidates, block by block. The lists have room for all samples.
 struct Selection {
-  BlockPart *whole; // that lie in the ball
-  int32_t *cut;     // that may lie there in part
-  int32_t *nearest; // on which the surface may come nearer to the center than around it, within the ball
+  BlockPart *whole; // samples that lie entirely within the ball
+  int32_t *cut;     // samples that may lie partly within it
+  int32_t *nearest; // samples on which the surface may have a local minimum of the distance to the center, within the ball
   int32_t wholes, cuts, nearests;
 };
 using SelectSamples = void (*)(const Candidates &candidates, const float *center, float radius, Selection &selection);
 
-// Sixteen at a time: what is left of the last ones is filled with samples that are all zero.
+// A list of samples, padded with zero samples to whole blocks of sixteen.
 struct SampleRun {
   const FlatSample *const *sample;
-  const SampleMap *const *map; // of each, for kinds that read it
+  const SampleMap *const *map; // (samples) for kinds that read the map
   int32_t blocks;
 };
-// What lies in the ball of a center: parts of blocks for the shape operator alone, else a run.
+// The samples in a center's ball. The shape operator alone takes those within it as block parts; all other sums take a run.
 struct SelectedSamples {
-  std::span<const BlockPart> parts; // of the blocks
+  std::span<const BlockPart> parts; // block parts within the ball
   const SampleBlock *const *block;
   SampleRun whole;
-  SampleRun cut; // what may lie there in part
+  SampleRun cut; // samples that may lie partly within the ball
 };
 
-// What is added up, compiled for itself.
+// The kind of sums. Each has a kernel of its own.
 enum class SumKind : int32_t {
   fit,
   surface,
@@ -89,28 +90,28 @@ enum class SumKind : int32_t {
   windows_geodesic
 };
 inline constexpr int sum_kinds = 9;
-constexpr bool adds_blocks(SumKind kind) { return kind == SumKind::fit; } // as parts of them
+constexpr bool adds_blocks(SumKind kind) { return kind == SumKind::fit; } // Tells whether the kind adds block parts.
 inline constexpr size_t max_sums = 96;
 
-// sums: Moments, Windows where the kind has them, Terms.
+// sums: the Moments, then the Windows if the kind has them, then the Terms.
 using AddSamples = void (*)(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums);
 
-// Balls of one radius around some centers; behind the last, far off.
+// Balls of one radius around some centers. Slots behind the last center are far away.
 inline constexpr int max_balls = 64;
 struct alignas(64) Balls {
   float center[3][max_balls];
   int32_t count;
   float radius;
 };
-// A bit for each of them: whether what reaches so far from its middle lies within the ball, or may touch it.
+// One bit per ball: whether the sphere of radius `reach` around `middle` lies within the ball, and whether it may touch the ball.
 struct BallBits {
   uint64_t within, touched;
 };
 using FindBalls = BallBits (*)(const Balls &balls, const float *middle, float reach);
-// A bit for each of them: whether the edge between these two points meets the ball.
+// One bit per ball: whether the edge between the two points meets the ball.
 using BallsOfEdge = uint64_t (*)(const Balls &balls, const float *from, const float *to);
 
-// One set of instructions.
+// The functions of one instruction set.
 struct SumTarget {
   const char *name;
   SelectSamples select;
@@ -118,7 +119,7 @@ struct SumTarget {
   BallsOfEdge balls_of_edge;
   const AddSamples *by_kind; // (sum_kinds)
 };
-// Those that this processor has, the widest first.
+// The instruction sets that this processor has, the widest first.
 std::vector<SumTarget> sum_targets();
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Distances of middles, and of edges.
+// Compares distances of surfels and of edges with the radius.
 #include "engine/cpu/ball_edges.h"
 
 #include <algorithm>

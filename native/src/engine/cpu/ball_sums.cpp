@@ -1,4 +1,4 @@
-// The sums of one set of instructions: compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
+// The sums for one instruction set. This file is compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
 #include "engine/cpu/ball_sums.h"
 
 #include "engine/cpu/refit_patch.h"
@@ -7,9 +7,9 @@
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-// ---- What is near
+// ---- Nearby patches
 
-// The set of those of sixteen spheres that come so near to a place.
+// Returns which of sixteen spheres are within `reach` of a place.
 inline uint32_t spheres_near(const SphereList &spheres, int32_t first, const Vector<3, Lanes> &place, float reach) {
   uint32_t bits = 0;
   for (int lane = 0; lane < group_lanes; lane += lane_count) {
@@ -41,7 +41,7 @@ int32_t find(const PatchArrays &surface, const CenterLanes &centers, int32_t *pa
   return count;
 }
 
-// The set of centers that lie so near to a place.
+// Returns the set of centers whose squared distance from a place is below `square`.
 inline uint32_t centers_near(const CenterLanes &centers, const Vector<3, Lanes> &place, float square) {
   uint32_t bits = 0;
   for (int first = 0; first < group_lanes; first += lane_count)
@@ -53,7 +53,7 @@ inline Vector<3, Lanes> place_of(const float *const (&position)[3], int32_t i) {
   return {position[0][i], position[1][i], position[2][i]};
 }
 
-// Finds what a patch is to the centers. Returns false where no ball meets even what its triangles reach of other patches.
+// Classifies a patch against the balls. Returns false if no ball meets its triangles, including their corners in other patches.
 inline bool find_nearness(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, Nearness &nearness) {
   const Vector<3, Lanes> middle = place_of({surface.sphere[0], surface.sphere[1], surface.sphere[2]}, patch);
   const float reach = surface.sphere[3][patch], far = centers.radius + reach, beyond = centers.radius + surface.own_reach[patch],
@@ -96,7 +96,7 @@ void look(const PatchArrays &surface, const CenterLanes &centers, NearPatches &n
   near.points = points;
 }
 
-// As BallEdges has it, of edges whose ends lie outside.
+// The same test as BallEdges::meets(), for edges with both ends outside.
 uint32_t dips(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to) {
   const Vector<3, Lanes> a = place_of(surface.position, from), way = place_of(surface.position, to) - a;
   const Lanes length = square_of(way);
@@ -111,7 +111,7 @@ uint32_t dips(const PatchArrays &surface, const CenterLanes &centers, int32_t fr
 
 // ---- Lists
 
-// Sets → lists of each center. Appends to those that end at counts, and leaves no items.
+// Distributes items to the lists of the centers in their sets. Lists grow from the lengths in counts, and `lists` is emptied.
 inline void list_by_center(CenterLists &lists, int centers, int32_t (&counts)[group_lanes]) {
   for (int32_t i = lists.count; i % lane_count != 0; ++i) lists.centers[i] = 0;
   for (int32_t first = 0; first < lists.count; first += lane_count) {
@@ -130,8 +130,9 @@ inline void append(const Choices::Bits &sets, const Choices::Bits &items, Center
   lists.count = append(bits, items, lists.item, lists.count);
 }
 
-// Triangles of a patch of which some corner is in a ball, with the sets of all three. These are written one by one, and read by
-// whole vectors not before those of the whole run of patches are there: reading what is being written would wait.
+// Lists the triangles of a patch that have a corner in a ball, with the sets of all three corners. Entries are written one by
+// one, and read as whole vectors only when a whole run of patches is complete. Loading a vector right after storing its parts
+// would stall.
 inline void list_touched(const PatchArrays &surface, int32_t patch, const uint16_t *reached, TouchedTriangles &touched) {
   int32_t count = touched.count;
   const int32_t *corner = surface.corner + 3 * static_cast<ptrdiff_t>(surface.triangle_begin[patch]);
@@ -146,9 +147,9 @@ inline void list_touched(const PatchArrays &surface, int32_t patch, const uint16
   touched.count = count;
 }
 
-// A triangle that has two corners or more in a ball counts as a whole there; one that has one or two is cut. The corner that is
-// alone on its side is the first where both others differ from it, and so on. Nothing here may branch: what a triangle is
-// cannot be foreseen. Sixteen triangles follow each other by corners, whatever the width.
+// A triangle with at least two corners in a ball counts as a whole there. A triangle with one or two is cut. A corner is alone on
+// its side if both others differ from it. This code avoids branches, which would be unpredictable. Corners are processed in turn
+// for every sixteen triangles, whatever the width.
 inline void sort_triangles(GroupLists &lists) {
   constexpr int32_t row = sizeof(RimTriangle) / sizeof(float);
   TouchedTriangles &touched = lists.touched;
@@ -170,9 +171,9 @@ inline void sort_triangles(GroupLists &lists) {
   touched.count = 0;
 }
 
-// ---- Wholes
+// ---- Whole triangles
 
-// Four moments at a time.
+// Transposes rows of moments, four at a time.
 template <size_t... k> inline void turn_rows(const MomentRow *const *rows, Lanes (&to)[moment_row], std::index_sequence<k...>) {
   const auto turn = [&](const Vector<4, Lanes> &four, size_t first) {
     to[first] = four.x;
@@ -183,13 +184,13 @@ template <size_t... k> inline void turn_rows(const MomentRow *const *rows, Lanes
   (turn(gather<4 * sizeof(float) * k>(rows), 4 * k), ...);
 }
 
-// Moments around the centers: area, xx to yz, xn to yz + zy as Moment has them, facets, noise.
+// Moments about the centers: area, xx to yz, xn to yz + zy as in Moment, facets, noise.
 constexpr int total_area = 0, total_xx = 1, total_xn = 7, total_facet = 13, total_noise = 14, totals = 15;
 struct alignas(64) Totals {
   float sum[totals][group_lanes];
 };
 
-// From an origin, at d from the centers, to these.
+// Shifts moments from an origin, at d relative to the centers, to the centers, and adds them.
 inline void add_moved(const Lanes (&m)[moment_row], const Vector<3, Lanes> &d, int first, Totals &to) {
   const auto add = [&](int total, const Lanes &value) { store(to.sum[total] + first, load(to.sum[total] + first) + value); };
   const Lanes &area = m[moment_area], &x = m[moment_x], &y = m[moment_x + 1], &z = m[moment_x + 2];
@@ -207,7 +208,7 @@ inline void add_moved(const Lanes (&m)[moment_row], const Vector<3, Lanes> &d, i
   add(total_noise, m[moment_noise]);
 }
 
-// In parts of eight floats.
+// The sum of rows, in three parts of eight floats.
 struct RowSum {
   EightFloats a{}, b{}, c{};
   static EightFloats eight(const float *from) {
@@ -222,7 +223,7 @@ struct RowSum {
   }
 };
 
-// Rows, of which every other one has a sum of its own, so that no sum waits for the last one.
+// Adds rows to two alternating sums, so that each addition need not wait for the previous one.
 inline void add_rows(const MomentRow *rows, int32_t *list, int32_t count, int32_t nothing, MomentRow &to) {
   static_assert(moment_row == 24);
   RowSum even, odd;
@@ -235,7 +236,7 @@ inline void add_rows(const MomentRow *rows, int32_t *list, int32_t count, int32_
   __builtin_memcpy(to.of, sums, sizeof to.of);
 }
 
-// Adds the listed rows, all of which have one origin.
+// Adds the listed rows, which share one origin.
 inline void add_wholes(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, CenterLists &wholes, Totals &to) {
   if (wholes.count == 0) return;
   int32_t counts[group_lanes] = {};
@@ -256,7 +257,7 @@ inline void add_patches(const PatchArrays &surface, const CenterLanes &centers, 
                         Totals &to) {
   for (int32_t i = 0; i < near.patches; ++i) {
     const int32_t patch = near.patch[i], node = patch / group_lanes;
-    if (near.nearness[i] == Nearness::inside) { // and hangs together: it is reached where one of its points is
+    if (near.nearness[i] == Nearness::inside) { // A patch is connected, so it is reached if one of its points is.
       CenterLists &wholes = lists.wholes;
       wholes.item[wholes.count] = surface.row_of_patch(patch);
       wholes.centers[wholes.count++] = near.reached[surface.patch_begin[patch]];
@@ -270,13 +271,13 @@ inline void add_patches(const PatchArrays &surface, const CenterLanes &centers, 
   }
 }
 
-// ---- All of it
+// ---- Combination
 
 struct alignas(64) Tangents {
   float t[2][3][group_lanes];
 };
 
-// As sums_init() has them.
+// The tangents are those of sums_init().
 inline Tangents tangents_of(const CenterLanes &centers) {
   Tangents to;
   for (int first = 0; first < group_lanes; first += lane_count) {
@@ -289,7 +290,7 @@ inline Tangents tangents_of(const CenterLanes &centers) {
   return to;
 }
 
-// Wholes → sums in the tangent planes.
+// Projects the moments of wholes to sums in the tangent planes.
 inline void project(const Totals &from, const Tangents &tangents, int first, Lanes (&sums)[ball_sums]) {
   const Vector<3, Lanes> t1 = load3(tangents.t[0], first), t2 = load3(tangents.t[1], first);
   const auto form = [&](int total, const Vector<3, Lanes> &a, const Vector<3, Lanes> &b, float mixed) {

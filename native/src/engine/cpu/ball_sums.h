@@ -1,10 +1,11 @@
-// Balls around sixteen centers at a time → the exact sums of the shape operator over what of the surface lies in each, by the
+// Balls around sixteen centers at a time → the exact sums of the shape operator over the surface in each ball, computed with the
 // widest instructions that the processor has.
 //
-// A lane is a center, and a set of centers is sixteen bits: what a point, an edge or a triangle is to sixteen balls is algebra on
-// such sets. Triangles in a ball as a whole, or with two corners in it, count by moments that are known beforehand; at the rim
-// the triangle at the corner that is alone on its side is added or subtracted, and the arc beyond its chord. Sums of one center
-// run over triangles in their order, so that they have the same bits whatever the instructions.
+// Each lane holds one center, and a set of centers is a mask of sixteen bits. Bitwise operations on such sets classify points,
+// edges and triangles against sixteen balls at once. A triangle within a ball, or with two corners in it, counts as a whole by
+// precomputed moments. At the rim, the triangle at the corner that is alone on its side is added or subtracted, and so is the
+// segment between the chord and the arc. The sums of a center run over triangles in their order, so they have the same bits for
+// all instructions.
 #pragma once
 
 #include <cstddef>
@@ -15,104 +16,104 @@ namespace paradesc {
 
 inline constexpr int group_lanes = 16; // centers
 
-// Moments of a triangle from the origin of its patch, times its area: 1; position; normal; products of positions xx, yy, zz, xy,
-// xz, yz; and of position and normal xx, yy, zz, xy + yx, xz + zx, yz + zy. Normals are linear through those at the middles of
-// the edges. Then its area again, and the variance of positions along normals.
+// Moments of a triangle about the origin of its patch, times its area: 1; position; normal; the products of positions xx, yy, zz,
+// xy, xz, yz; and the products of position and normal xx, yy, zz, xy + yx, xz + zx, yz + zy. Normals are the linear function with
+// the unit normals at the edge midpoints. Then follow the squared area, and the area times the variance along normals.
 enum Moment { moment_area, moment_x, moment_n = 4, moment_xx = 7, moment_xn = 13, moment_facet = 19, moment_noise, moments };
-inline constexpr int moment_row = 24; // floats of a row, as whole vectors have them
+inline constexpr int moment_row = 24; // floats of a row, padded to whole vectors
 struct alignas(32) MomentRow {
   float of[moment_row];
 };
 
-// The rim needs of a triangle: corners and normals at them, the first two once more, so that those from any corner on follow
-// each other. One is read by four floats at a time.
+// The data of a triangle that the rim needs: corners and the normals there. The first two corners are repeated, so that three
+// consecutive ones start at any corner. Each is loaded as four floats.
 struct alignas(64) RimTriangle {
   float corner[5][3], area;
   float normal[5][3], per_twice_area;
 };
 
-// Spheres side by side, in lists that end with sixteen or more that are nowhere: each holds a patch, sixteen patches, or 256.
+// Bounding spheres as structure of arrays, padded with at least sixteen far away ones. Each bounds 1, 16 or 256 patches.
 struct SphereList {
   const float *middle[3], *reach;
-  int32_t count; // but for those
+  int32_t count; // without the padding
 };
 
-// A surface in the order of its patches, at one moment; see PatchSurface. A node is sixteen patches. Its moments have the node's
-// middle for origin where that is near; else each patch has its own.
+// A surface in the order of its patches, at one time; see PatchSurface. A node is a group of sixteen patches. If the node's
+// middle is near its patches, it is the origin of their moments; else each patch has an origin of its own.
 struct PatchArrays {
   const int32_t *patch_begin, *triangle_begin, *corner;
   const float *position[3]; // of points
   const float *noise;       // of triangles
-  RimTriangle *rim;         // of triangles, and behind them one that is zero
-  MomentRow *moment;        // likewise; then those of whole patches
-  float *sphere[4];         // of patches: middle and reach of all triangles
-  float *own_reach;         // (patches) of the points
+  RimTriangle *rim;         // (triangles + 1) the last one is zero
+  MomentRow *moment;        // (triangles + 1) the last one is zero; then (patches) sums over each patch
+  float *sphere[4];         // (patches) bounding spheres of all triangles: middle and reach
+  float *own_reach;         // (patches) reach of the patch's own points
   float *origin[3];         // (patches)
-  uint8_t *apart;           // (nodes) 1: its patches have origins of their own
-  SphereList levels[3];     // spheres of patches, of nodes, and above
+  uint8_t *apart;           // (nodes) 1: each of its patches has an origin of its own
+  SphereList levels[3];     // spheres of patches, of nodes, and of sixteen nodes
   int32_t patches, triangles;
 
   int32_t row_of_patch(int32_t patch) const { return triangles + 1 + patch; }
 };
 
 struct alignas(64) CenterLanes {
-  float position[3][group_lanes]; // behind the last center, nowhere
+  float position[3][group_lanes]; // far away behind the last center
   float normal[3][group_lanes];
-  float middle[3], spread; // a sphere that holds all of them
+  float middle[3], spread; // bounding sphere of the centers
   int32_t count;
   float radius;
   uint32_t all() const { return (uint32_t{1} << count) - 1; }
 };
 
-// The surface near a group: which of its patches are near, and the centers in whose balls a patch as a whole is: of all of
-// them or of some.
+// The surface near a group: the patches that are near, and whether each has no points of its own in any ball, lies within the
+// balls of all centers, or neither.
 enum class Nearness : uint8_t { outside, some, inside };
 struct NearPatches {
   int32_t *patch;
   Nearness *nearness;
   int32_t patches;
-  uint16_t *in, *reached; // (points) sets of centers in whose balls a point lies, and that it is connected to
-  int32_t *point;         // that lie in any ball
+  uint16_t *in, *reached; // (points) the sets of centers whose balls contain a point, and from which it is reached
+  int32_t *point;         // points that lie in any ball
   int32_t points;
 };
 
-// Items that belong to sets of centers → lists of the items of each center.
+// Items with their sets of centers → lists of the items of each center.
 struct CenterLists {
   int32_t *item;
-  int32_t *centers; // sets
+  int32_t *centers; // sets of centers
   int32_t count;
-  int32_t *of_center[group_lanes]; // each with room for all and for sixteen more, as the two above
+  int32_t *of_center[group_lanes]; // each list has room for all items and for sixteen more, as have the two above
 };
-// Triangles, and for each corner the set of centers in whose balls it lies, connected to them.
+// Triangles and, for each corner, the set of centers from which it is reached within their balls.
 struct TouchedTriangles {
   int32_t *triangle, *corner[3];
   int32_t count;
 };
-// Rows of moments of what counts as a whole, and corners that are alone on their side of the rim, as places of their first float
-// among those of RimTriangles.
+// Row indices of the moments that count as wholes, and the corners that are alone on their side of the rim. A corner is given by
+// the offset of its first float in the array of RimTriangles.
 struct GroupLists {
   TouchedTriangles touched;
   CenterLists wholes, corners;
 };
 
-// As Moments of the kernels: area; xx, xy, yy over r^2; xn, xm + yn, ym over r; facets; noise over r^2.
+// The order of the kernels' Moments: area; xx, xy, yy over r^2; xn, xm + yn, ym over r; facets; noise over r^2.
 inline constexpr int ball_sums = 9;
 using BallSums = float[ball_sums][group_lanes];
 
-// One set of instructions.
+// The functions of one instruction set.
 struct BallTarget {
   const char *name;
-  // One node: normals are those at its triangles' corners, (triangles, 3, 3) from its first one on.
+  // Updates one node. normals: at the corners of its triangles, (triangles, 3, 3).
   void (*refit)(const PatchArrays &surface, int32_t node, const float *normals);
-  // Patches near the centers, in their order. Returns how many.
+  // Lists the patches near the centers, in their order, and returns their number.
   int32_t (*find)(const PatchArrays &surface, const CenterLanes &centers, int32_t *patches);
   void (*look)(const PatchArrays &surface, const CenterLanes &centers, NearPatches &near);
-  // The set of centers whose balls the edge between two points outside meets.
+  // Returns the set of centers whose balls the edge between two points outside of them meets.
   uint32_t (*dips)(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to);
   void (*add)(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,
               BallSums &sums);
 };
-// Those that this processor has, the widest first.
+// The instruction sets that this processor has, the widest first.
 std::vector<BallTarget> ball_targets();
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Rows of the registry → values that are not known yet, and the units that they are in.
+// Rows of the registry → values that are not known yet, and the conversion of their units.
 #include "engine/cpu/center_values.h"
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ CenterResults unknown_results(size_t count, std::span<const int> rows) {
   return results;
 }
 
-// By products alone, which have the same bits everywhere.
+// Uses products only, whose results have the same bits on all machines.
 static double power(double base, int exponent) {
   double product = 1.0;
   for (int k = 0; k < std::abs(exponent); ++k) product *= base;

@@ -1,4 +1,4 @@
-// Values at centers, before anything is computed and in the units of the positions.
+// Creates the values at centers before they are computed, and converts their units.
 #pragma once
 
 #include <span>
@@ -7,10 +7,10 @@
 
 namespace paradesc {
 
-// NaN at so many centers. rows: of the registry.
+// Returns NaN for each of `count` centers. rows: rows of the registry.
 CenterResults unknown_results(size_t count, std::span<const int> rows);
 
-// scale: units that the values are in per unit of the positions.
+// Converts values to the units of the positions. scale: units of the values per unit of the positions.
 void scale_values(std::span<const int> rows, double scale, CenterResults &results);
 
 } // namespace paradesc

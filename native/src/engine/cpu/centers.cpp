@@ -25,7 +25,7 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
   const HalfEdges &half_edges = surface.divided ? surface.divided->half_edges : surface.half_edges;
   surface.atlases.repack_if_overfull(triangles, half_edges, threads);
   TexelMap texels = build_texel_map(surface.atlases.current().charts, size);
-  // A map that leaves much of its square empty is used as it is: nothing is sampled by it.
+  // A map that leaves much of its square empty is used unchanged, since nothing is sampled by it.
   const TexelCounts counts{size * size, texels.overlapping};
   if (surface.atlases.repack_if_needed(triangles, half_edges, counts, size, std::numeric_limits<double>::infinity(), threads))
     texels = build_texel_map(surface.atlases.current().charts, size);
@@ -34,7 +34,7 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
 
 static vec3 weights_of(const TrianglePlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
 
-// Position and normal are interpolated in 32 bits.
+// Interpolates the position in 64 bits and the normal in 32 bits.
 static TreeCenter center_at(const Surface &surface, const Normals &normals, const BakeSpace &space, const TrianglePlace &place) {
   const vec3 weights = weights_of(place);
   dvec3 position(0.0);

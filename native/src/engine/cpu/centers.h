@@ -1,5 +1,5 @@
-// Where something is evaluated on a surface → centers: the points of the mesh, or texels of a map over its layout. The layout
-// says which places of the surface the texels are, and nothing else is taken from it.
+// A surface → the centers of evaluation: the points of the mesh, or the texels of a map over its UV layout. The layout only
+// determines the places of the texels on the surface.
 #pragma once
 
 #include <vector>
@@ -11,17 +11,17 @@
 
 namespace paradesc {
 
-// The first points of the surface, that many.
+// Returns the first `count` points of the surface.
 TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads);
 
-// The texels of a map over the layout, which is made anew first where parts of the surface share texture space.
+// Returns the texels of a map over the layout. A layout in which parts of the surface overlap is replaced first.
 TexelMap lay_out_texels(const Surface &surface, int size, int threads);
 
-// The map's centers [first, last).
+// Returns the map's centers [first, last).
 TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
                               int threads);
 
-// Values at points → at those centers, linear on triangles.
+// Interpolates values at points linearly on triangles, at the map's centers [first, last).
 MapValues map_at_texels(const Surface &surface, const TexelMap &texels, const MapValues &points, size_t first, size_t last,
                         int threads);
 

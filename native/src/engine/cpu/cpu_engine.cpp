@@ -1,4 +1,4 @@
-// Surfels → groups of centers → sums → values, pass by pass.
+// Surfels → groups of centers → sums → values, one pass at a time.
 #include "engine/cpu/cpu_engine.h"
 
 #include <algorithm>
@@ -48,8 +48,8 @@ private:
   }
 
   Keyed<uint64_t, ClusterTree> tree_;           // by the topology's version
-  Keyed<uint64_t, PointPatches> patches_;       // likewise
-  PatchSurface patch_surface_;                  // of the last surface with these
+  Keyed<uint64_t, PointPatches> patches_;       // by the topology's version
+  PatchSurface patch_surface_;                  // of the last surface with these patches
   Keyed<std::pair<int, int>, TexelMap> texels_; // by the atlas's version and the size
 };
 
@@ -71,12 +71,12 @@ struct Evaluation {
   const Surfels &surfels;
   const SurfaceSamples &samples;
   const TreeCenters &centers;
-  const MapValues &map; // (centers) of what operators work on; or empty
+  const MapValues &map; // (centers) values of the map for operators; or empty
   CenterGroups groups;
   SumPlan plan;
   EvaluateParams params;
   std::span<const int> rows;
-  const std::function<void(double)> &progress; // of this pass; may throw to cancel
+  const std::function<void(double)> &progress; // called with the share of this pass that is done; may throw to cancel
 };
 
 } // namespace
@@ -121,7 +121,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
   const auto evaluate_one = [&](int g, Search &search) {
     const auto first = static_cast<size_t>(pass.groups.begin[g]), last = static_cast<size_t>(pass.groups.begin[g + 1]);
-    checkpoint(); // one alone may take milliseconds
+    checkpoint(); // One group alone may take milliseconds.
     evaluate_group(pass, target, std::span(pass.groups.center).subspan(first, last - first), search, results);
     ++done;
   };
@@ -145,7 +145,7 @@ static float share_of_clusters(const Surfels &surfels) {
   return all > 0 ? static_cast<float>(clusters / all) : 0.0f;
 }
 
-// share_of_clusters: of the triangles. The rim cuts triangles exactly: only what clusters leave is noise to be reduced.
+// share_of_clusters: share of the triangles. The rim cuts triangles exactly, so only clusters leave noise to be reduced.
 static EvaluateParams params_of(const Request &request, double scale, float radius, float share_of_clusters) {
   const pdesc_options &options = request.options;
   EvaluateParams params{};
@@ -157,9 +157,10 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// Areas are cut off at the rim alone, where nothing evens out what clusters miss: they take five times as many, and triangles
-// half as large. Half of the radius has as many samples as the radius, where both count. What is near the center counts most for
-// bending, which takes half as many again. Curvature hardly depends on the size of triangles, or on what lies within a cluster.
+// Returns the resolution that a pass needs. Areas are cut off sharply at the rim, where the errors of clusters do not average
+// out. They need five times as many samples, and triangles half as large. Extrapolation also uses half of the radius, which then
+// has as many samples as the radius otherwise. Bending is dominated by the surface near the center, and needs half as many
+// samples again. Curvature hardly depends on the size of triangles, or on the details within a cluster.
 static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
@@ -173,10 +174,10 @@ static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
 }
 
-// In parts that grow, and as one list.
+// Samples are stored in growing parts and in one list.
 static constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
 
-// Refused where they do not fit, which the mesh's counts do not tell: maps may displace a surface as far as they like.
+// Throws if the samples do not fit. The mesh's counts cannot predict this, since maps may displace a surface arbitrarily far.
 static SurfaceSamples samples_within(int64_t memory_limit, const SurfelSource &source, const Surfels &surfels) {
   double count = 0.0;
   for (const Surfel &surfel : surfels.surfel)
@@ -208,10 +209,10 @@ public:
         samples_(samples_within(resources.memory_limit, source_, surfels_)),
         params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
         creases_(surface, pass.rows, radius_of(pass, request.options, request.radius), resources.threads) {
-    surfels_.cluster = {}; // samples stand for them
+    surfels_.cluster = {}; // The samples replace them.
   }
 
-  // The first points, that many.
+  // Evaluates the first `count` points.
   CenterResults at_points(std::span<const int> rows, int32_t count, const std::function<void(double)> &progress) const {
     CenterResults results =
         at(centers_at_points(surface_, space_, count, source_.threads), source_.map ? *source_.map : MapValues(), rows,
@@ -220,7 +221,7 @@ public:
     return results;
   }
 
-  // Texels [first, last).
+  // Evaluates the texels [first, last).
   CenterResults at_texels(const TexelMap &texels, size_t first, size_t last, std::span<const int> rows,
                           const std::function<void(double)> &progress) const {
     MapValues map;
@@ -232,7 +233,7 @@ public:
   }
 
 private:
-  // map: at the centers, where there is one.
+  // map: values at the centers, if there is a map.
   CenterResults at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
     CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
@@ -270,9 +271,9 @@ static CenterResults run_exactly(const Surface &surface, const Request &request,
   return results;
 }
 
-static constexpr size_t texels_of_band = size_t{1} << 17; // that are evaluated together
+static constexpr size_t texels_of_band = size_t{1} << 17; // texels that are evaluated together
 
-// Whether a pass over the surface computes the map to the bits that its own pass would.
+// Returns whether a pass over the surface computes the map with exactly the same bits as the map's own pass.
 static bool computes_map(const Pass &pass, int map_row, const pdesc_options &options) {
   const Pass source{Stage::source, {map_row}};
   return pass.stage == Stage::surface && std::ranges::find(pass.rows, map_row) != pass.rows.end() &&
@@ -280,7 +281,7 @@ static bool computes_map(const Pass &pass, int map_row, const pdesc_options &opt
          plan_sums(pass.rows, options, false) == plan_sums(source.rows, options, false);
 }
 
-// What the passes that follow read of the map, at points; nothing of the other rows.
+// Returns the values at points that later passes read from the map. The values of other rows stay empty.
 static CenterResults values_for_map(const RunningPass &running, const Pass &pass, int points,
                                     const std::function<void(double)> &progress) {
   CenterResults results = results_at_points(points);
@@ -291,11 +292,11 @@ static CenterResults values_for_map(const RunningPass &running, const Pass &pass
   return results;
 }
 
-// Adds what a pass computes at texels, band by band, to the results of all.
+// Computes a pass at texels, band by band, and adds it to the results.
 static void add_texels(const RunningPass &running, const Pass &pass, std::span<const int> requested, const TexelMap &texels,
                        const std::function<void(double)> &progress, CenterResults &all) {
   std::vector<int> rows;
-  std::vector<size_t> places; // among those requested
+  std::vector<size_t> places; // indices in `requested`
   for (size_t k = 0; k < requested.size(); ++k)
     if (pass.stage != Stage::source && std::ranges::find(pass.rows, requested[k]) != pass.rows.end()) {
       rows.push_back(requested[k]);
@@ -320,11 +321,11 @@ const TexelMap &CpuSession::texels(const Surface &surface, int size, int threads
   const auto key = [&] { return std::pair(surface.atlases.current().version, size); };
   if (const TexelMap *const kept = texels_.find(key())) return *kept;
   texels_.clear();
-  TexelMap made = lay_out_texels(surface, size, threads); // in an atlas that it may replace
+  TexelMap made = lay_out_texels(surface, size, threads); // may replace the atlas
   return texels_.get(key(), [&] { return std::move(made); });
 }
 
-// Images, and values at vertices that are looked up there.
+// Fills in the images, and the values at vertices that are looked up in them.
 static void give_texels(const Surface &surface, const Request &request, const Resources &resources, const TexelMap &texels,
                         const CenterResults &results, Computed &computed) {
   const Atlas &atlas = surface.atlases.current();
@@ -336,7 +337,7 @@ static void give_texels(const Surface &surface, const Request &request, const Re
   computed.report.cut_charts = atlas.cut_charts;
 }
 
-// What later passes read as a map is needed wherever the surface is.
+// A map that later passes read is needed on the whole surface.
 static int32_t points_of(const Pass &pass, const Surface &surface) {
   return pass.makes_map() ? surface.half_edges.point_count : surface.wanted_points();
 }
@@ -356,8 +357,8 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   computed.report.seconds_prepare = clock.lap();
   const int map_row = find_map(options.map_descriptor);
   std::optional<TriangleSizes> sizes;
-  bool refitted = false;     // the patches, of this surface
-  std::vector<float> of_map; // at points, if they are known before its own pass
+  bool refitted = false;     // whether patch_surface_ holds this surface
+  std::vector<float> of_map; // values at points, if they are known before the map's own pass
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const std::function<void(double)> part = [&](double done) { check_cancel(progress, "evaluate", (number + done) / count); };
     part(0.0);
@@ -374,7 +375,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
         return run_exactly(surface, request, space, pass, patches(surface), patch_surface_, resources, part);
       }
     }
-    if (!refitted) patch_surface_ = {}; // which would stand beside the samples
+    if (!refitted) patch_surface_ = {}; // Frees memory that the samples need.
     const RunningPass running = [&] {
       const CancelScope cancel([&] { part(0.0); });
       return RunningPass(surface, request, tree(surface), space, pass, map, resources);
@@ -386,7 +387,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
         of_map = results.values[std::ranges::find(pass.rows, map_row) - pass.rows.begin()];
       return results;
     }
-    constexpr double share = 0.7; // of the texels, where points are evaluated after them
+    constexpr double share = 0.7; // of the progress: texels, before the points are evaluated
     const std::function<void(double)> first = [&](double done) { part(share * done); };
     const std::function<void(double)> second = [&](double done) { part(share + (1.0 - share) * done); };
     add_texels(running, pass, request.descriptors, *map_texels, first, at_texels);
@@ -404,8 +405,8 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
 
 std::shared_ptr<Engine> open_cpu_engine(int threads) { return std::make_shared<CpuEngine>(threads); }
 
-// Centers, in their first order and in that of the texels; results and images; and what a band of them takes, beside which the
-// values of a map at points stand.
+// The memory for texels: centers in their first order and in that of the texels, results and images, and one band with the map's
+// values at points.
 static int64_t bytes_of_texels(const ComputationSize &size) {
   const int64_t texels = int64_t{size.options.texels} * size.options.texels, rows = rows_of(size.descriptors);
   const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.piece_points;
@@ -413,7 +414,7 @@ static int64_t bytes_of_texels(const ComputationSize &size) {
          band * static_cast<int64_t>(sizeof(TreeCenter) + sizeof(vec4) + 16 + 8 * rows);
 }
 
-// Patches and their surface, which is kept from frame to frame; neighbors while they are made.
+// The memory for the patches and their surface, which stays allocated between frames, and for neighbors during construction.
 static int64_t bytes_of_exact_sums(const ComputationSize &size) {
   constexpr int64_t of_triangle = 36 + sizeof(RimTriangle) + sizeof(MomentRow) + 10, of_point = 260;
   constexpr int64_t of_thread = 12; // for each point
@@ -421,9 +422,9 @@ static int64_t bytes_of_exact_sums(const ComputationSize &size) {
 }
 
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
-  // The tree, positions, faces and places; sizes, counts and places of clusters while it is cut for a radius; links.
+  // Tree, positions, faces and places; sizes, counts and places of clusters while surfels are built; links.
   constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
-  constexpr int64_t of_thread = 12; // for each surfel, of which there are as many as triangles at most: Search, GroupFlood
+  constexpr int64_t of_thread = 12; // for each surfel, of which there are at most as many as triangles: Search, GroupFlood
   const auto triangles = static_cast<double>(size.pieces);
   const Pass finest{Stage::surface, {size.descriptors.begin(), size.descriptors.end()}};
   const double divided =

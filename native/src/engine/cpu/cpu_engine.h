@@ -1,4 +1,4 @@
-// The engine for every machine: surface samples in a tree of clusters, on all cores, without a UV map or a device.
+// The engine for every machine. It uses all cores and a tree of surface clusters, and needs neither a UV map nor a GPU.
 #pragma once
 
 #include "engine/engine.h"

@@ -18,7 +18,7 @@ DECLARE_TARGET(avx512)
 #endif
 } // namespace kernels
 
-// The widest first.
+// The widest comes first.
 template <class Target>
 static std::vector<Target> on_this_processor(const Target &baseline
 #if defined(__x86_64__)

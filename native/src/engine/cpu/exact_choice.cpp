@@ -1,4 +1,4 @@
-// Sizes of triangles, block by block in the order of the mesh, where what lies near is mostly near in memory, too.
+// Measures triangles block by block in the order of the mesh, in which nearby triangles are mostly near in memory, too.
 #include "engine/cpu/exact_choice.h"
 
 #include <algorithm>
@@ -33,7 +33,8 @@ static BlockSize measure_block(const Triangles &triangles, const HalfEdges &half
   return size;
 }
 
-// A curve crosses edges 2/pi times as often as they are long on the area around it; each edge borders two triangles.
+// The number of edges that a curve crosses is about 2/pi times its length times the length of edges per area. Each edge is shared
+// by two triangles.
 TriangleSizes measure_triangles(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   constexpr int block_size = 256;
   const Blocks blocks{triangles.triangle_count, block_size};
@@ -55,15 +56,15 @@ TriangleSizes measure_triangles(const Triangles &triangles, const HalfEdges &hal
 }
 
 bool has_exact_sums(const Surface &surface, const Request &request, const Pass &pass) {
-  constexpr int32_t most_triangles = 1 << 26; // whose rows of RimTriangles have places in 32 bits
+  constexpr int32_t most_triangles = 1 << 26; // The rows of RimTriangles must have 32-bit offsets.
   return !surface.divided && request.options.evaluate != PDESC_EVALUATE_TEXEL &&
          surface.triangles.triangle_count < most_triangles &&
          plan_sums(pass.rows, request.options, pass.stage == Stage::windows).kind == SumKind::fit;
 }
 
 bool suits_exact_sums(const TriangleSizes &sizes, double radius) {
-  constexpr double longest_edge = 1.25; // of the radius: an edge that leaves the ball and comes back is short of its middle
-  constexpr double most_at_rim = 180.0; // beyond, clusters of triangles take less time
+  constexpr double longest_edge = 1.25; // of the radius; an edge with both ends outside the ball does not reach its middle
+  constexpr double most_at_rim = 180.0; // beyond this, clusters of triangles are faster
   return sizes.longest_edge <= longest_edge * radius && sizes.rim_per_radius * radius <= most_at_rim;
 }
 

@@ -1,4 +1,4 @@
-// Group by group: find patches → what lies in which ball → what of it is connected → sums → values.
+// For each group: nearby patches → points in each ball → points connected to each center → sums → values.
 #include "engine/cpu/exact_pass.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace paradesc {
 
 namespace {
 
-// The memory that one thread keeps from group to group.
+// The memory that one thread reuses from group to group.
 class GroupWork {
 public:
   explicit GroupWork(const ExactPass &pass);
@@ -74,7 +74,7 @@ void GroupWork::place_centers(int32_t first, int32_t count) {
   centers_.spread = 0.5f * length(high - low);
 }
 
-// Makes room in the lists for all that they may lead to.
+// Also allocates the lists for as many items as these patches may lead to.
 void GroupWork::find_patches() {
   near_.patches = pass_.target.find(surface_, centers_, patch_.data());
   size_t triangles = 0;
@@ -114,7 +114,7 @@ void GroupWork::finish_center(int32_t lane, int32_t point, bool boundary, Center
     center.position[axis] = centers_.position[axis][lane];
     center.normal[axis] = centers_.normal[axis][lane];
   }
-  // As the kernel's Moments has them.
+  // The order is that of the kernel's Moments.
   const auto sum = [&](int k) { return sums_[k][lane]; };
   const float sums[max_sums] = {sum(0), sum(1), sum(2), sum(3), sum(4), sum(5), sum(6), 0.0f, 0.0f, sum(7), sum(8)};
   const auto index = static_cast<size_t>(point);
@@ -146,7 +146,7 @@ void evaluate_exactly(const ExactPass &pass, CenterResults &results) {
     works.with_one([&] { return GroupWork(pass); },
                    [&](GroupWork &work) {
                      for (int g = begin; g < end; ++g) {
-                       checkpoint(); // one alone may take milliseconds
+                       checkpoint(); // One group alone may take milliseconds.
                        work.evaluate(g, results);
                        ++done;
                      }

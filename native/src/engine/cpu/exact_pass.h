@@ -1,4 +1,4 @@
-// Sums of the shape operator at all points of a mesh, exactly: over triangles, however many a ball has.
+// Computes the sums of the shape operator at all points of a mesh exactly, over all triangles in each ball.
 #pragma once
 
 #include <functional>
@@ -19,13 +19,13 @@ struct ExactPass {
   EvaluateParams params;
   std::span<const int> rows;
   int threads;
-  const std::function<void(double)> &progress; // of this pass; may throw to cancel
+  const std::function<void(double)> &progress; // called with the share of this pass that is done; may throw to cancel
 };
 
-// Whether any row is made of the noise of positions.
+// Returns whether any row depends on the noise of positions.
 bool asks_for_noise(std::span<const int> rows);
 
-// results: of all points, not yet known.
+// results: for all points; unknown_results() before the call.
 void evaluate_exactly(const ExactPass &pass, CenterResults &results);
 
 } // namespace paradesc

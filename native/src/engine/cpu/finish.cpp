@@ -1,4 +1,4 @@
-// Each row of the registry by each kernel that adds up its terms.
+// Computes each row of the registry with each kernel that adds its terms.
 #include "engine/cpu/finish.h"
 
 #include <algorithm>
@@ -14,10 +14,10 @@ namespace paradesc {
 
 namespace {
 
-// Whether a kernel adds up all terms of a list with spaces between.
+// Returns whether a kernel adds all terms of a list, which are separated by spaces.
 template <class Kernel> constexpr bool adds(std::string_view terms) {
   using Terms = typename Kernel::Terms;
-  if (terms == "gaussians jet") return adds<Kernel>("gaussians"); // the jet takes out noise, which triangles do not leave
+  if (terms == "gaussians jet") return adds<Kernel>("gaussians"); // The jet removes noise, and triangles leave none.
   if (const size_t space = terms.find(' '); space != std::string_view::npos)
     return adds<Kernel>(terms.substr(0, space)) && adds<Kernel>(terms.substr(space + 1));
   if (terms == "area") return requires(Terms t) {
@@ -52,7 +52,7 @@ template <class Kernel> struct Finished {
   typename Kernel::Neighborhood neighborhood;
 };
 
-// By row: appends its value; nothing where the kernel does not add up what it needs.
+// The function of each row appends its value, or nothing if the kernel does not add its terms.
 template <class Kernel> using AppendRow = void (*)(Finished<Kernel> &, std::vector<float> &);
 
 template <class Kernel>
@@ -112,7 +112,7 @@ SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool 
 void finish(const SumPlan &plan, const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,
             std::span<const int> rows, std::vector<float> &values) {
   using namespace kernels;
-  if (!(sums[0] > 0.0f)) { // no surface there: what no term can tell from 0
+  if (!(sums[0] > 0.0f)) { // There is no surface; the terms alone cannot tell this from 0.
     for (const int row : rows) values.insert(values.end(), static_cast<size_t>(descriptor_row(row).components), std::nanf(""));
     return;
   }

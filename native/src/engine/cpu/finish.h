@@ -12,16 +12,16 @@
 
 namespace paradesc {
 
-// What is added up for some rows of the registry, and how it is finished.
+// The kind of sums that some rows of the registry need, and how values follow from them.
 struct SumPlan {
   SumKind kind;
-  bool integral; // the curvatures are those of the integrals
+  bool integral; // curvatures follow from the integral invariants
   friend bool operator==(const SumPlan &, const SumPlan &) = default;
 };
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows);
 
-// Appends the values of the rows, component by component; NaN where they do not exist. boundary: the mesh's boundary lies in the
-// ball.
+// Appends the values of the rows, component by component; NaN where a value does not exist. boundary: whether the mesh's boundary
+// meets the ball.
 void finish(const SumPlan &plan, const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,
             std::span<const int> rows, std::vector<float> &values);
 

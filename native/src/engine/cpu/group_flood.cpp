@@ -1,4 +1,4 @@
-// Within balls first, where no edge has to be looked at; then over the edges that the rims of balls cut.
+// The flood spreads within balls first, where no edge needs a test. Then it crosses edges that the rims of balls cut.
 #include "engine/cpu/group_flood.h"
 
 #include <limits>
@@ -27,7 +27,7 @@ void GroupFlood::run(const TreeCenters &centers, std::span<const int32_t> chosen
   }
 }
 
-// Returns its place.
+// Returns the index of the surfel in met_.
 size_t GroupFlood::meet(int32_t surfel) {
   Mark &mark = mark_[surfel];
   if (std::exchange(mark.flood, floods_) == floods_) return static_cast<size_t>(mark.place);

@@ -1,4 +1,5 @@
-// Several centers → for each surfel, to which of them it is connected within their balls. One flood for all of them, a bit each.
+// Several centers → the set of centers from which each surfel is reached within their balls. One flood serves all, with one bit
+// each.
 #pragma once
 
 #include <span>
@@ -10,34 +11,34 @@
 
 namespace paradesc {
 
-// The memory that one thread keeps from group to group.
+// The memory that one thread reuses from group to group.
 class GroupFlood {
 public:
   GroupFlood(BallEdges edges, const SumTarget &target) : edges_(edges), target_(target), mark_(edges.surfels.surfel.size()) {}
 
-  // From the triangles of these centers, over edges that meet their balls.
+  // Floods from the triangles of these centers, across edges that meet their balls.
   void run(const TreeCenters &centers, std::span<const int32_t> chosen);
   bool is_reached(int32_t surfel, size_t i) const { // from the center chosen[i]
     const Mark mark = mark_[surfel];
     return mark.flood == floods_ && (met_[mark.place].reached >> i & 1) != 0;
   }
-  // A bit for each of the centers: the surfel may lie in its ball, and is not reached from it.
+  // Returns the set of centers whose balls the surfel may touch, although it is not reached from them.
   uint64_t missed(int32_t surfel) const {
     const Mark mark = mark_[surfel];
     return mark.flood == floods_ ? met_[mark.place].touched & ~met_[mark.place].reached : ~uint64_t{0};
   }
 
 private:
-  // A surfel that the flood has come to, or looked at; a bit for each center.
+  // A surfel that the flood has examined. The sets have one bit per center.
   struct Met {
     int32_t surfel;
-    bool waits;               // to be left again
-    uint64_t within, touched; // of the balls that it lies in or touches
+    bool waits;               // its neighbors must be visited (again)
+    uint64_t within, touched; // balls that it lies in, and balls that it touches
     uint64_t reached;
   };
   struct Rim {
     size_t from;
-    int32_t neighbor; // of Surfels::neighbor
+    int32_t neighbor; // index into Surfels::neighbor
   };
 
   size_t meet(int32_t surfel);
@@ -49,13 +50,13 @@ private:
   SumTarget target_;
   Balls balls_{};
   struct Mark {
-    int32_t flood = 0; // the last that met it
-    int32_t place = 0; // in met_
+    int32_t flood = 0; // the last flood that examined the surfel
+    int32_t place = 0; // index into met_
   };
   std::vector<Mark> mark_; // (surfels)
   int32_t floods_ = 0;
   std::vector<Met> met_;
-  std::vector<size_t> waiting_; // places
+  std::vector<size_t> waiting_; // indices into met_
   std::vector<Rim> rim_;
 };
 

@@ -1,4 +1,4 @@
-// Centers in the order of the tree, in which what lies near on the surface is near.
+// Orders centers as the tree does, so that neighbors in this order are near each other on the surface.
 #include "engine/cpu/groups.h"
 
 #include <limits>
@@ -8,9 +8,9 @@
 
 namespace paradesc {
 
-static constexpr float max_width = 1; // half the diagonal of the box around a group, of the radius
+static constexpr float max_width = 1; // half the diagonal of the bounding box of a group, over the radius
 
-// All centers whose triangle is not left out.
+// Returns all centers whose triangles are not left out.
 static std::vector<int32_t> in_order(const ClusterTree &tree, const TreeCenters &centers) {
   std::vector<int32_t> begin(tree.size(0) + 1, 0);
   for (size_t i = 0; i < centers.size(); ++i) {

@@ -1,4 +1,4 @@
-// Centers → groups of such that lie near each other and look for their neighborhoods together.
+// Centers → groups of nearby centers whose neighborhoods are searched together.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,22 @@
 
 namespace paradesc {
 
-// Where something is evaluated.
+// A place of evaluation.
 struct TreeCenter {
   vec3 position;
   vec3 normal;      // unit
-  int32_t triangle; // on which it lies
+  int32_t triangle; // the triangle that it lies on
 };
 using TreeCenters = UnsetVector<TreeCenter>;
 
-inline constexpr int32_t max_centers = 48; // of a group
+inline constexpr int32_t max_centers = 48; // per group
 
 struct CenterGroups {
-  std::vector<int32_t> center; // all centers whose triangle is not left out, group after group
+  std::vector<int32_t> center; // the centers whose triangles are not left out, group by group
   std::vector<int32_t> begin;  // (groups + 1) into center
 };
 
-// Of a few dozens at most, no wider than some part of the radius.
+// Groups have at most max_centers centers, and are no wider than a fixed multiple of the radius.
 CenterGroups group_centers(const ClusterTree &tree, const TreeCenters &centers, float radius);
 
 } // namespace paradesc

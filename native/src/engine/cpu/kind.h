@@ -1,4 +1,4 @@
-// One kernel of engine/cpu/kinds.h: KERNEL is its name, and what it needs is defined as 1.
+// Defines one kernel of engine/cpu/kinds.h. KERNEL is its name, and the features that it needs are defined as 1.
 #ifndef SURFACE
 #define SURFACE 0
 #endif
@@ -17,7 +17,7 @@
 #ifndef GEODESIC_BALL
 #define GEODESIC_BALL 0
 #endif
-#define WIDE_NEIGHBORS // who calls add_weighted() knows their means
+#define WIDE_NEIGHBORS // The caller of add_weighted() supplies the means.
 #define FACES SURFACE
 #define MAP (JET || WINDOWS)
 #define TERMS_AREA SURFACE

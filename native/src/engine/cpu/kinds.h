@@ -1,7 +1,7 @@
-// Every kind of sum as a kernel: add_samples.cpp compiles them for lanes, finish.cpp for floats.
+// Defines a kernel for every kind of sum. add_samples.cpp compiles them for lanes, and finish.cpp for floats.
 //
-// No include guard: each file includes it under its own KERNEL_TARGET.
-#define KERNEL FitKernel // the shape operator alone
+// There is no include guard: each file includes this one under its own KERNEL_TARGET.
+#define KERNEL FitKernel // shape operator only
 #include "engine/cpu/kind.h"
 
 #define KERNEL SurfaceKernel
@@ -42,7 +42,7 @@
 #define GEODESIC_BALL 1
 #include "engine/cpu/kind.h"
 
-// These add up what SurfaceKernel and SurfaceGeodesicKernel do, and finish by the integrals.
+// These add the same sums as SurfaceKernel and SurfaceGeodesicKernel, but curvatures follow from the integral invariants.
 #define KERNEL IntegralKernel
 #define SURFACE 1
 #define INTEGRAL 1

@@ -1,4 +1,5 @@
-// Memory → lanes and back, and lanes → bits. Each set of instructions has its own, under KERNEL_TARGET.
+// Loads lanes from memory, stores them, and turns masks of lanes into bits. It is compiled for each instruction set, as
+// KERNEL_TARGET.
 #pragma once
 
 #include <array>
@@ -41,7 +42,7 @@ inline bool any(const Choices &choices) {
   return all != 0;
 }
 
-// Those of a and b that the constants name in each part of four: 0 to 3 of a, 4 to 7 of b.
+// Selects floats of a and b by constants within each group of four: 0 to 3 select from a, 4 to 7 from b.
 template <int i0, int i1, int i2, int i3, size_t... k>
 Lanes::Floats shuffle(const Lanes::Floats &a, const Lanes::Floats &b, std::index_sequence<k...>) {
   constexpr int from[4] = {i0, i1, i2, i3};
@@ -51,7 +52,7 @@ template <int i0, int i1, int i2, int i3> Lanes::Floats shuffle(const Lanes::Flo
   return shuffle<i0, i1, i2, i3>(a, b, std::make_index_sequence<lane_count>());
 }
 
-// Four floats of every fourth sample, one part after the other.
+// Loads four floats of every fourth item into consecutive groups of four lanes.
 template <size_t offset, class Item> Lanes::Floats every_fourth(const Item *const *items) {
   const auto part = [&](int i) {
     FourFloats four;
@@ -69,7 +70,7 @@ template <size_t offset, class Item> Lanes::Floats every_fourth(const Item *cons
   }
 }
 
-// Four floats that follow each other in each of the items.
+// Loads four consecutive floats of each item, and transposes them.
 template <size_t offset, class Item> [[gnu::always_inline]] inline Vector<4, Lanes> gather(const Item *const *items) {
   const Lanes::Floats a = every_fourth<offset>(items), b = every_fourth<offset>(items + 1), c = every_fourth<offset>(items + 2),
                       d = every_fourth<offset>(items + 3);
@@ -80,7 +81,7 @@ template <size_t offset, class Item> [[gnu::always_inline]] inline Vector<4, Lan
 }
 inline Vector<3, Lanes> first3(const Vector<4, Lanes> &v) { return {v.x, v.y, v.z}; }
 
-// The lanes that are chosen, as bits.
+// Returns the mask of lanes as bits.
 inline uint32_t bits_of(const Choices &choices) {
 #if defined(__AVX512DQ__) && LANE_WIDTH == 16
   return _mm512_movepi32_mask(std::bit_cast<__m512i>(choices.lane));
@@ -95,7 +96,7 @@ inline uint32_t bits_of(const Choices &choices) {
 #endif
 }
 
-// The sum of all floats of a vector, halves first as sum_of() has it.
+// Returns the sum of a vector's floats. Halves are added first, in the order of sum_of().
 inline float fold(const FourFloats &v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 inline float fold(const EightFloats &v) {
   const auto halves = std::bit_cast<std::array<FourFloats, 2>>(v);
@@ -105,7 +106,7 @@ inline float fold(const SixteenFloats &v) {
   const auto halves = std::bit_cast<std::array<EightFloats, 2>>(v);
   return fold(halves[0] + halves[1]);
 }
-// Likewise of lanes that are computed with one part after the other.
+// The same for lanes that are stored in several parts.
 template <size_t parts> inline float fold_lanes(const Lanes (&lanes)[parts]) {
   if constexpr (parts == 1) {
     return fold(lanes[0].lane);
@@ -116,7 +117,7 @@ template <size_t parts> inline float fold_lanes(const Lanes (&lanes)[parts]) {
   }
 }
 
-// For each set of eight, the places of what is in it, one after the other.
+// For each set of eight, the indices of its elements in order.
 constexpr auto places_of_eight = [] {
   std::array<std::array<uint8_t, 8>, 256> table{};
   for (size_t bits = 0; bits < table.size(); ++bits)
@@ -125,8 +126,8 @@ constexpr auto places_of_eight = [] {
   return table;
 }();
 
-// Appends the values of the lanes that are set; what lies behind them is written over, as many as there are lanes. Returns where
-// the list ends.
+// Appends the values of the lanes whose bits are set, and returns the new length. It may overwrite as many items behind the end
+// as there are lanes.
 inline int32_t append(uint32_t bits, const Choices::Bits &values, int32_t *list, int32_t count) {
 #if defined(__AVX512F__) && LANE_WIDTH == 16
   const __m512i packed = _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), std::bit_cast<__m512i>(values));

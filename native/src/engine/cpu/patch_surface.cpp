@@ -1,4 +1,4 @@
-// Points, then patches by themselves, then the spheres around patches.
+// Computes points first, then patches independently, then the bounding spheres of groups of patches.
 #include "engine/cpu/patch_surface.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ void PatchSurface::resize(const PointPatches &patches) {
              triangles = patches.triangle.size();
   for (int axis = 0; axis < 3; ++axis)
     for (UnsetVector<float> *const column : {&position_[axis], &normal_[axis]}) {
-      column->resize(points + group_lanes); // groups are read as a whole
+      column->resize(points + group_lanes); // whole groups are read
       std::fill(column->begin() + static_cast<ptrdiff_t>(points), column->end(), 0.0f);
     }
   noise_.resize(triangles + 1);
@@ -70,7 +70,7 @@ void PatchSurface::place_points(const PointPatches &patches, const Triangles &tr
   });
 }
 
-// Sixteen of a level at a time: the box around their middles and reaches.
+// Bounds sixteen spheres of a level at a time. The middle is that of the spheres' bounding box.
 void PatchSurface::join_spheres(int level, int threads) {
   const int32_t count = arrays_.levels[level].count;
   const auto &below = sphere_[level];

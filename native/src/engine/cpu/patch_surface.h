@@ -1,4 +1,4 @@
-// A mesh at one moment → all that exact sums ask of it, in the order of its patches.
+// A mesh at one time → the data that exact sums need, in the order of its patches.
 #pragma once
 
 #include "bake/distortion.h"
@@ -10,15 +10,15 @@
 
 namespace paradesc {
 
-// Frame by frame the same memory is written anew.
+// Each frame overwrites the same memory.
 class PatchSurface {
 public:
-  // Refits to a mesh with these patches. target: see ball_targets(). with_noise: else there is none.
+  // Refits to a mesh with these patches. target: see ball_targets(). with_noise: if false, noise is 0.
   void refit(const PointPatches &patches, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
              const BakeSpace &space, const BallTarget &target, bool with_noise, int threads);
 
-  const PatchArrays &arrays() const { return arrays_; }                // valid while the patches are
-  const float *normal(int axis) const { return normal_[axis].data(); } // of points
+  const PatchArrays &arrays() const { return arrays_; }                // valid as long as the patches are
+  const float *normal(int axis) const { return normal_[axis].data(); } // (points)
 
 private:
   void resize(const PointPatches &patches);

@@ -11,16 +11,16 @@ static vec3 unit_or(vec3 v, vec3 otherwise) {
   return square > 0.0f ? v / std::sqrt(square) : otherwise;
 }
 
-// The tangent of the angle between unit vectors, of whose difference this is the length.
+// Returns the tangent of the angle between two unit vectors whose difference has this length.
 static float tangent(float gap) {
-  constexpr float right_angle = 1.4f; // about: beyond it, none is large enough
+  constexpr float right_angle = 1.4f; // approximately; for larger gaps a large constant is returned
   if (gap > right_angle) return 1e6f;
   const float cosine = 1.0f - 0.5f * gap * gap;
   return std::sqrt(1.0f - cosine * cosine) / cosine;
 }
 
-// The corners lie at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)) of (a, b), the middles of the edges at (sqrt(2), 0) and
-// (-sqrt(1/2), +-sqrt(3/2)); their mean is that over the triangle for whatever is quadratic.
+// In the coordinates (a, b), the corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)), and the edge midpoints at (sqrt(2), 0)
+// and (-sqrt(1/2), +-sqrt(3/2)). The mean of a quadratic over the triangle is its mean over these midpoints.
 Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) {
   const vec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], plane = cross(edge, other);
   Sample sample;
@@ -73,7 +73,8 @@ Cluster ClusterSums::cluster() const {
   return whole;
 }
 
-// Two directions in the plane of the mean face, such that positions vary along the first and what is left along the second.
+// Chooses two directions in the plane of the mean face: the first captures all variation along it, the second the remaining
+// variation.
 Sample sample_of(const Cluster &cluster, float lean) {
   Sample sample;
   sample.position = cluster.position;

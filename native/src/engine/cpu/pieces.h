@@ -1,54 +1,54 @@
-// Pieces of the surface: triangles, parts of them and clusters of them, as sums over neighborhoods take them.
+// Pieces of the surface over which neighborhoods are summed: triangles, parts of triangles, and clusters of triangles.
 #pragma once
 
 #include "support/math.h"
 
 namespace paradesc {
 
-// A triangle whose normals vary linearly over it, or what is like one: with a and b as uncorrelated as they come, each of mean 0
-// and variance 1, its surface lies at position + a along[0] + b along[1] and has the normal that goes with it.
+// A triangle with linearly varying normals, or an equivalent of one. With uncorrelated a and b of mean 0 and variance 1, its
+// points are position + a along[0] + b along[1], and the normals there are normal + a normal_along[0] + b normal_along[1].
 struct Sample {
   vec3 position{0.0f};
   vec3 along[2] = {vec3(0.0f), vec3(0.0f)};
-  vec3 normal{0.0f}; // mean: shorter than 1 where the surface turns
+  vec3 normal{0.0f}; // mean; shorter than 1 where the surface turns
   vec3 normal_along[2] = {vec3(0.0f), vec3(0.0f)};
-  vec3 face{0.0f}; // mean of the triangles' own normals, likewise
+  vec3 face{0.0f}; // mean of the triangles' face normals; shorter than 1 where they differ
   float area = 0;
-  float reach = 0; // no point of it is farther from its position
-  float turn = 0;  // no triangle of it, or around it, leans from face by an angle of a larger tangent
-  float noise = 0; // variance along the normal; NaN where it is not known
-  float facet = 0; // area of the triangle it is of, or mean of those
+  float reach = 0; // bound on the distance of its points from position
+  float turn = 0;  // bound on the tangent of the angle between face and the triangles in and around it
+  float noise = 0; // variance along the normal; NaN if unknown
+  float facet = 0; // area of its triangle, or area-weighted mean for several
 };
 
-// corners, normals: at each of three, in turning order; between them normals have the directions of what is linear. lean: how far
-// no normal of the triangles around is from its own, as points of the unit sphere.
+// corners, normals: of the triangle, in orientation order. Normals are interpolated linearly and then normalized. lean: bound on
+// the distance of the face normals around it from its own, on the unit sphere.
 Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean = 0.0f);
 
-// What a connected piece of many triangles comes to.
+// Sums over a connected piece of many triangles.
 struct Cluster {
   vec3 position{0.0f};
   vec3 normal{0.0f};
   vec3 face{0.0f};
   float area = 0;
-  float noise = 0, facet = 0; // likewise
-  float reach = 0;            // no point of it is farther from its position
-  mat3 variance{0.0f};        // of positions
-  mat3 normal_variance{0.0f}; // of normals (rows) with positions (columns)
+  float noise = 0, facet = 0; // as for a Sample
+  float reach = 0;            // bound on the distance of its points from position
+  mat3 variance{0.0f};        // covariance of positions
+  mat3 normal_variance{0.0f}; // covariance of normals (rows) with positions (columns)
 };
 
-// Adds up triangles. origin: some place near them.
+// Sums triangles. origin: a point near them.
 class ClusterSums {
 public:
   explicit ClusterSums(vec3 origin) : origin_(origin) {}
   void add(const Sample &triangle);
-  Cluster cluster() const; // but for its reach
+  Cluster cluster() const; // without its reach
 
 private:
   vec3 origin_;
   Cluster sums_;
 };
 
-// The triangle that stands for a cluster. lean: as that of a triangle, from its mean face.
+// Returns the triangle that represents a cluster. lean: as for a triangle, relative to the mean face normal.
 Sample sample_of(const Cluster &cluster, float lean);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Sweeps over the points, forward and backward in turn; then over edges that dip; until nothing more is reached.
+// Sweeps over the points alternately forward and backward, and then crosses dipping edges, until nothing more is reached.
 #include "engine/cpu/point_flood.h"
 
 namespace paradesc {
@@ -20,7 +20,7 @@ uint32_t PointFlood::run(const CenterLanes &centers, int32_t first, NearPatches 
   return found;
 }
 
-// Returns whether all that lies in the balls is reached.
+// Returns whether all points in the balls are reached.
 bool PointFlood::spread(NearPatches &near) const {
   constexpr auto room = static_cast<size_t>(PointPatches::near_neighbors);
   bool more = true, all = false;
@@ -48,7 +48,8 @@ bool PointFlood::spread(NearPatches &near) const {
   return all;
 }
 
-// Patches that, with those around them, have both what is reached in a ball and what is missing there; and those on the boundary.
+// Finds patches that, together with adjacent ones, have both reached and missing points in some ball, and patches at the
+// boundary.
 void PointFlood::find_open(const NearPatches &near) {
   open_.clear();
   for (int32_t i = 0; i < near.patches; ++i) {
@@ -75,7 +76,7 @@ void PointFlood::find_open(const NearPatches &near) {
   for (const int32_t triangle : dipped_triangles_) met_[patches_.patch_of[patches_.corner[3 * triangle]]] = 0;
 }
 
-// Goes on over edges that dip. Returns whether any led to something new.
+// Continues across edges that dip into balls. Returns whether that reached anything new.
 bool PointFlood::dip(const CenterLanes &centers, NearPatches &near) {
   find_open(near);
   bool found = false;

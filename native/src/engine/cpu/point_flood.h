@@ -1,7 +1,7 @@
-// The points in the balls of a group → those that are connected to their centers there, for all of them at once, a bit each.
+// The points in the balls of a group → the points that are connected to their centers within the balls, with one bit per center.
 //
-// Between two points that share an edge and lie in a ball the edge lies there, too. What is left are edges that dip into a ball
-// with both ends outside. They are looked for only where something in a ball is not reached, and beside the mesh's boundary.
+// If two points share an edge and lie in a ball, the edge lies there, too. The other connections are edges that dip into a ball
+// while both ends lie outside. They are searched only if some point in a ball is not reached, and near the mesh's boundary.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,13 @@
 
 namespace paradesc {
 
-// The memory that one thread keeps from group to group.
+// The memory that one thread reuses from group to group.
 class PointFlood {
 public:
   PointFlood(const PointPatches &patches, const PatchArrays &surface, const BallTarget &target);
 
-  // The centers are points from `first` on. Fills near.reached, and returns the set of centers in whose balls the mesh's boundary
-  // lies where it is connected to them.
+  // The centers are the points from `first` on. Fills near.reached. Returns the set of centers that are connected to the mesh's
+  // boundary within their balls.
   uint32_t run(const CenterLanes &centers, int32_t first, NearPatches &near);
 
 private:
@@ -30,10 +30,10 @@ private:
   const PointPatches &patches_;
   const PatchArrays &surface_;
   const BallTarget target_;
-  std::vector<uint16_t> dipped_;          // (triangles) balls that reach a triangle over an edge alone
-  std::vector<int32_t> dipped_triangles_; // where that is not 0
-  std::vector<uint16_t> missed_, met_;    // (patches) balls in which points are not reached, and are
-  std::vector<int32_t> open_;             // patches where edges may lead on
+  std::vector<uint16_t> dipped_;          // (triangles) balls that reach it across an edge alone
+  std::vector<int32_t> dipped_triangles_; // triangles whose entry in dipped_ is not 0
+  std::vector<uint16_t> missed_, met_;    // (patches) balls in which points are not reached, or are reached
+  std::vector<int32_t> open_;             // patches whose edges may lead on
 };
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// The tree of points, cut where clusters are small enough; then whatever is looked up around each point and each patch.
+// Cuts the tree of points into small clusters, and then collects the adjacency of points and patches.
 #include "engine/cpu/point_patches.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-// Returns where the largest clusters of at most so many items begin, as places in the tree's order; behind them, its end.
+// Returns where the largest clusters with at most so many items begin, as indices in the tree's order, followed by its end.
 static std::vector<int32_t> cut_tree(const ClusterTree &tree, int32_t most) {
   std::vector<int32_t> begins;
   std::vector<int32_t> places; // (clusters of the level + 1) in the tree's order
@@ -35,7 +35,7 @@ static std::vector<int32_t> cut_tree(const ClusterTree &tree, int32_t most) {
   return begins;
 }
 
-// Triangles of each patch, in the order of the mesh.
+// Lists the triangles of each patch in the order of the mesh.
 static void place_triangles(const HalfEdges &half_edges, const std::vector<int32_t> &rank, PointPatches &patches) {
   const size_t count = half_edges.corner_point.size() / 3;
   std::vector<int32_t> owner(count, -1), place(count, -1);

@@ -1,5 +1,5 @@
-// The corners of a node's triangles, as they lie now → spheres of its patches, the moments of the triangles, and what the rim
-// asks of them. Each set of instructions has its own, under KERNEL_TARGET.
+// The current corners of a node's triangles → bounding spheres of its patches, moments of the triangles, and the data that the
+// rim needs. It is compiled for each instruction set, as KERNEL_TARGET.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ inline namespace KERNEL_TARGET {
 
 // ---- The sphere
 
-// The middle of the box around a patch's points.
+// Finds the middle of the bounding box of a patch's points.
 inline void find_middle(const PatchArrays &surface, int32_t patch, float *middle) {
   for (int axis = 0; axis < 3; ++axis) {
     const float *const position = surface.position[axis];
@@ -34,7 +34,7 @@ inline float square_from(const PatchArrays &surface, int32_t point, const float 
   return sum;
 }
 
-// How far the patch's points and all corners of its triangles reach from there, and a little more than rounding takes off.
+// Finds the distances from the middle to the patch's points and to all corners of its triangles, plus a margin for rounding.
 inline void find_reach(const PatchArrays &surface, int32_t patch, const float *middle) {
   constexpr float rounding = 1.00001f;
   float own = 0.0f;
@@ -50,7 +50,7 @@ inline void find_reach(const PatchArrays &surface, int32_t patch, const float *m
 
 // ---- The triangles
 
-// Sixteen triangles, of which the last ones may be none.
+// Sixteen triangles. The last ones may be unused.
 struct alignas(64) RefitBlock {
   float corner[3][3][group_lanes], normal[3][3][group_lanes]; // corners relative to the patch's origin
   float noise[group_lanes], per_twice_area[group_lanes];
@@ -71,10 +71,10 @@ inline void read_block(const PatchArrays &surface, const float *origin, int32_t 
   }
 }
 
-// Normals at the corners → such that what is linear between them has the unit normals at the middles of the edges. Two that are
-// opposed have the first of them between them.
+// Replaces the normals at the corners such that linear interpolation has the unit normals at the edge midpoints. Between two
+// opposite normals, the first one is used.
 inline void straighten(Lanes (&normal)[3][3]) {
-  Lanes middle[3][3]; // of corners k and k + 1
+  Lanes middle[3][3]; // between corners k and k + 1
   for (int k = 0; k < 3; ++k) {
     Lanes square = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
@@ -89,9 +89,9 @@ inline void straighten(Lanes (&normal)[3][3]) {
     for (int k = 0; k < 3; ++k) normal[k][axis] = middle[k][axis] + middle[(k + 2) % 3][axis] - middle[(k + 1) % 3][axis];
 }
 
-// The second moments of a triangle are those of its corners and, nine times, of its middle, over twelve.
+// The second moments of a triangle are a twelfth of its area times the products of its corners plus those of the corners' sum.
 inline void find_moments(RefitBlock &block, int first) {
-  Lanes x[4][3], n[4][3]; // of the corners, and their sums
+  Lanes x[4][3], n[4][3]; // at the corners, and their sums
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < 3; ++k) x[k][axis] = load(block.corner[k][axis] + first);
     x[3][axis] = x[0][axis] + x[1][axis] + x[2][axis];
@@ -153,7 +153,7 @@ inline void refit_triangles(const PatchArrays &surface, int32_t patch, const flo
   surface.moment[surface.row_of_patch(patch)] = of_patch;
 }
 
-// Products of positions lose what they have in common: an origin is near if it lies within some sizes of the patches.
+// Moments about a distant origin lose digits. The node's common origin is used if the patches extend over few patch sizes.
 inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last) {
   constexpr float near = 8.0f;
   float largest = 0.0f, square = 0.0f, middle[3];

@@ -1,5 +1,5 @@
-// The triangles that the ball of one center cuts → what they add to its sums beyond those that count as wholes. Each set of
-// instructions has its own, under KERNEL_TARGET.
+// The triangles that the ball of one center cuts → their contribution to its sums beyond the triangles that count as wholes. It
+// is compiled for each instruction set, as KERNEL_TARGET.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-// A center as the rim's lanes see it.
+// A center, broadcast to all lanes.
 struct RimCenter {
   Vector<3, Lanes> position, t1, t2;
   float square; // of the radius
@@ -21,7 +21,7 @@ struct RimSums {
   Lanes area, xx[3], xn[3], facets, noise; // xx, xy, yy; x m, x o + y m, y o of normals (m, o)
 };
 
-// In the tangent plane.
+// A vector in the tangent plane.
 struct Flat {
   Lanes u, v;
 };
@@ -30,7 +30,7 @@ inline Flat operator+(const Flat &a, const Flat &b) { return {a.u + b.u, a.v + b
 inline Flat operator-(const Flat &a, const Flat &b) { return {a.u - b.u, a.v - b.v}; }
 inline Flat operator*(const Lanes &s, const Flat &a) { return {s * a.u, s * a.v}; }
 
-// The products of a place and of it with a normal, by some area.
+// Adds the products of a position with itself and with a normal, weighted by an area.
 inline void add_products(const Lanes &area, const Flat &x, const Flat &n, RimSums &sums) {
   const Lanes u = area * x.u, v = area * x.v;
   sums.xx[0] += u * x.u;
@@ -42,20 +42,21 @@ inline void add_products(const Lanes &area, const Flat &x, const Flat &n, RimSum
 }
 
 using SignBits = Choices::Bits;
-// Those floats with the other sign where the bit is set.
+// Flips the signs of the floats whose sign bit is set in `signs`.
 inline Lanes turn_sign(const Lanes &a, const SignBits &signs) {
   return Lanes(std::bit_cast<Lanes::Floats>(std::bit_cast<SignBits>(a.lane) ^ signs));
 }
 
-// The places where edges from the alone corner meet the rim, and the area between the chord and the arc.
+// The points where the edges at the alone corner meet the rim, and the area between the chord and the arc. The alone corner is
+// the only one on its side of the rim.
 struct Cut {
-  SignBits outside; // the alone corner is
-  Lanes p, q;       // shares of the edges to the next corner and to the previous one
-  Lanes arc;        // area
-  Lanes angle;      // of the arc, squared: chord over radius
+  SignBits outside; // sign bits: set if the alone corner is outside
+  Lanes p, q;       // fractions of the edges to the next corner and to the previous one
+  Lanes arc;        // area between chord and arc
+  Lanes angle;      // squared angle of the arc, approximately: chord over radius
 };
 
-// to: edges from the alone corner to the next and to the previous one.
+// to: the edges from the alone corner to the next corner and to the previous one.
 inline Cut cut_of(const RimCenter &center, const Vector<3, Lanes> &alone, const Vector<3, Lanes> (&to)[2], const Lanes &area,
                   const Lanes &per_twice_area) {
   const Lanes beyond = square_of(alone) - center.square;
@@ -63,7 +64,7 @@ inline Cut cut_of(const RimCenter &center, const Vector<3, Lanes> &alone, const 
   Cut cut;
   cut.outside = ~bits & sign;
   const Lanes above(std::bit_cast<Lanes::Floats>(bits & ~sign));
-  // Along an edge the squared distance less that of the rim is beyond + 2 slope t + square t^2, and its first root is above /
+  // Along an edge, the squared distance minus that of the rim is beyond + 2 slope t + square t^2. Its first root is above /
   // below.
   const auto below = [&](const Lanes &slope, const Lanes &square) {
     const Lanes root = max(slope * slope - square * beyond, 1e-30f);
@@ -75,16 +76,16 @@ inline Cut cut_of(const RimCenter &center, const Vector<3, Lanes> &alone, const 
   cut.p = min(share * below_previous, 1.0f);
   cut.q = min(share * below_next, 1.0f);
   const Lanes chord = max(cut.p * (cut.p * next - 2.0f * cut.q * between) + cut.q * cut.q * previous, 1e-30f);
-  constexpr float least = 1e-4f; // of the square of the radius that the arc has
+  constexpr float least = 1e-4f; // minimum of the arc's squared radius, relative to the ball's
   const Lanes height = dot(alone, cross(to[0], to[1])) * per_twice_area;
   const Lanes arc_square = max(center.square - height * height, least * center.square);
-  const Lanes per_radius = chord * fast_inversesqrt(chord * arc_square); // of the arc, times the chord
+  const Lanes per_radius = chord * fast_inversesqrt(chord * arc_square); // one over the arc's radius, times the chord
   cut.angle = per_radius * per_radius;
-  cut.arc = min(chord * per_radius * (1.0f / 12.0f) * (1.0f + cut.angle * (0.075f + 0.01f * cut.angle)), area); // as a series
+  cut.arc = min(chord * per_radius * (1.0f / 12.0f) * (1.0f + cut.angle * (0.075f + 0.01f * cut.angle)), area); // by a series
   return cut;
 }
 
-// Sixteen or fewer at a time. bases: alone corners of RimTriangles.
+// Adds at most one vector of lanes. bases: alone corners in RimTriangles.
 template <bool with_noise>
 [[gnu::always_inline]] inline void add_rim_lanes(const RimCenter &center, const float *const *bases, const float *areas,
                                                  const float *per_twice_areas, const float *noises, RimSums &sums) {
@@ -100,8 +101,9 @@ template <bool with_noise>
   const Flat n = flat(center, first3(gather<normal>(bases)));
   const Flat turn_p = half_p * (flat(center, first3(gather<normal + next>(bases))) - n);
   const Flat turn_q = half_q * (flat(center, first3(gather<normal + previous>(bases))) - n);
-  // The middles of the corner's edges, where a quadratic has its mean. What lies between chord and arc has it beyond the middle
-  // of the chord, by two fifths of the height of the arc, and varies along the chord by a twentieth of its square.
+  // The mean of a quadratic over a triangle is the mean of its values at the edge midpoints. The segment between chord and arc
+  // has its centroid beyond the middle of the chord, by two fifths of the arc's height. Its variance along the chord is a
+  // twentieth of the chord's square.
   add_products(of_corner, x + along_p, n + turn_p, sums);
   add_products(of_corner, x + along_q, n + turn_q, sums);
   add_products(of_corner + cut.arc * (1.0f + 0.1f * cut.angle), x + along_p + along_q, n + turn_p + turn_q, sums);
@@ -114,17 +116,17 @@ template <bool with_noise>
   }
 }
 
-// corners: as GroupLists has them, with room to fill up the last lanes.
+// corners: as in GroupLists, with room to fill up the last lanes.
 template <bool with_noise>
 void add_rim(const PatchArrays &surface, const RimCenter &center, int32_t *corners, int32_t count, float (&to)[ball_sums]) {
   constexpr int32_t row = sizeof(RimTriangle) / sizeof(float), parts = group_lanes / lane_count;
   const float *const rims = surface.rim[0].corner[0];
   const int32_t last = (count + lane_count - 1) / lane_count * lane_count;
-  for (int32_t i = count; i < last; ++i) corners[i] = row * surface.triangles; // one that is zero
+  for (int32_t i = count; i < last; ++i) corners[i] = row * surface.triangles; // the zero triangle
   RimSums sums[parts];
   for (RimSums &of_part : sums) of_part = RimSums{0.0f, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, 0.0f};
   for (int32_t i = 0; i < last; i += lane_count) {
-    for (int lane = 0; lane < lane_count && i + lane_count < last; ++lane) { // the next ones lie anywhere
+    for (int lane = 0; lane < lane_count && i + lane_count < last; ++lane) { // prefetches the next ones
       __builtin_prefetch(rims + static_cast<uint32_t>(corners[i + lane_count + lane]) / row * row);
       __builtin_prefetch(rims + static_cast<uint32_t>(corners[i + lane_count + lane]) / row * row + row / 2);
     }

@@ -1,4 +1,4 @@
-// Vectors as plain floats, which no set of instructions compiles for itself.
+// Converts vectors to plain floats, outside of the files that are compiled per instruction set.
 #include "engine/cpu/samples.h"
 
 #include <algorithm>

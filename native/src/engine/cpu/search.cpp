@@ -1,4 +1,4 @@
-// Cells by their links, blocks by their spheres, then surfels by the edges between them.
+// Finds cells by their links, blocks by their bounding spheres, and then surfels by the edges between them.
 #include "engine/cpu/search.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ void Search::look(const TreeCenters &centers, std::span<const int32_t> group) {
   list_candidates(reach);
 }
 
-// All cells that are connected to the group's own by cells that come near the balls of its centers.
+// Finds all cells that are linked to the group's own cells via cells that may meet the balls of its centers.
 void Search::find_cells(const TreeCenters &centers, std::span<const int32_t> group, float reach) {
   ++groups_;
   cells_.clear();
@@ -43,7 +43,7 @@ void Search::find_cells(const TreeCenters &centers, std::span<const int32_t> gro
       const float limit = reach + sphere.w;
       if (dot(gap, gap) < limit * limit) add(other);
     }
-  std::sort(cells_.begin(), cells_.end()); // one order of summation, wherever the search began
+  std::sort(cells_.begin(), cells_.end()); // The order of summation is independent of where the search began.
 }
 
 void Search::list_candidates(float reach) {
@@ -70,7 +70,7 @@ void Search::list_candidates(float reach) {
   for (auto *list : {&whole_maps_, &cut_maps_}) list->resize(block_maps_.size() * block_lanes);
 }
 
-// Unless it lies too far off.
+// Adds a block unless it is too far away.
 void Search::add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach) {
   const vec3 gap = vec3(sphere) - middle_;
   const float limit = reach + sphere.w;
@@ -81,7 +81,7 @@ void Search::add_block(const SampleList &list, size_t first, const SampleBlock &
   for (int i = 0; i < 4; ++i) spheres_[i].push_back(sphere[i]);
 }
 
-// Very large triangles, each of which is a cell of its own.
+// Divides very large triangles, each of which is a cell of its own.
 void Search::add_divided(float reach) {
   divided_ = {};
   divided_blocks_.clear();
@@ -98,7 +98,8 @@ void Search::add_divided(float reach) {
     add_block(divided_, first, divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach);
 }
 
-// Most centers see at once that all is connected to them. For the others one flood tells; and if it is most, for all that follow.
+// Most centers can prove quickly that all surface in their balls is connected. The others share one flood. If most of the first
+// centers need the flood, all later ones use it, too.
 void Search::find_each(const TreeCenters &centers, std::span<const int32_t> group, const UseFound &use) {
   static_assert(max_centers <= max_balls);
   constexpr size_t enough = 4;
@@ -135,7 +136,7 @@ void Search::select_around(vec3 center) {
                        [&](int32_t edge) { return edges_.meets(edge, center); });
 }
 
-// What is selected.
+// Returns the current selection.
 Search::Found Search::found(bool boundary) {
   Found found{{}, boundary};
   if (by_blocks_)
@@ -147,7 +148,7 @@ Search::Found Search::found(bool boundary) {
   return found;
 }
 
-// As the flood has it, of all samples of a block together.
+// Returns GroupFlood::missed() for all samples of a block together.
 uint64_t Search::missed_of(int32_t block) {
   std::optional<uint64_t> &missed = missed_[block];
   if (missed) return *missed;
@@ -157,7 +158,7 @@ uint64_t Search::missed_of(int32_t block) {
   return *missed;
 }
 
-// Of what is selected around the center of this number in the flood.
+// Removes samples from the selection that the flood did not reach from the center with this number.
 void Search::keep_reached(size_t number) {
   const auto misses = [&](int32_t block) { return (missed_of(block) >> number & 1) != 0; };
   const auto is_kept = [&](int32_t sample) {
@@ -172,7 +173,7 @@ void Search::keep_reached(size_t number) {
   selection_.cuts = static_cast<int32_t>(end - cut_.begin());
 }
 
-// The samples of all parts, one by one. Returns their number.
+// Lists the samples of all parts one by one, and returns their number.
 int32_t Search::list_wholes() {
   int32_t count = 0;
   for (int32_t i = 0; i < selection_.wholes; ++i)
@@ -194,7 +195,7 @@ SampleRun Search::take(const std::vector<int32_t> &list, int32_t count, std::vec
   return {samples.data(), maps.data(), blocks};
 }
 
-// Squared distance of a triangle from the origin, of which only the parts in the triangle's plane matter.
+// Returns the squared distance of a triangle from the origin, measured within the triangle's plane only.
 static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
   float nearest = std::numeric_limits<float>::max();
   bool over = true;
@@ -209,7 +210,7 @@ static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
   return over ? 0.0f : std::max(nearest, 0.0f);
 }
 
-// select() has looked at the circle around it alone.
+// This test is more precise than that of select(), which considers the sample's bounding circle only.
 bool Search::may_be_nearest(const FlatSample &sample, vec3 center) const {
   const Surfel &surfel = surfels_.surfel[sample.surfel];
   if (surfel.cluster >= 0 || edges_.lies_within(sample.surfel, center)) return true;
@@ -224,14 +225,14 @@ void Search::reach(int32_t surfel) {
   if (std::exchange(mark_[surfel], walks_) != walks_) reached_.push_back(surfel);
 }
 
-// A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
-// where the surface may do so are connected to the center. False where that is not seen at once.
+// A piece of surface that is not connected to the center has a point nearest to it. So no such piece exists if all samples that
+// may contain such a point are connected to the center. Returns false if that cannot be proved quickly.
 bool Search::is_one_piece(const TreeCenter &center) {
   ++walks_;
   reached_.assign(1, surfels_.triangle_surfel[center.triangle]);
   mark_[reached_[0]] = walks_;
   size_t left = 0;
-  // Its own surfel, those around it, and those around these: only as far as something asks for them.
+  // Expands from the center's surfel by up to two rings of neighbors, only as far as needed.
   auto is_around = [&, rings = 0](int32_t surfel) mutable {
     for (; !is_reached(surfel) && rings < 2; ++rings)
       for (const size_t end = reached_.size(); left < end; ++left) reach_neighbors(reached_[left], center.position);
@@ -245,8 +246,8 @@ bool Search::is_one_piece(const TreeCenter &center) {
   return true;
 }
 
-// From neighbor to neighbor over edges that meet the ball, each nearer to the center; all on the way are reached, too. False
-// where none is nearer.
+// Walks across edges that meet the ball to neighbors that are nearer and nearer to the center, until one is reached. Then marks
+// the whole way as reached. Returns false if no neighbor is nearer.
 bool Search::walk_to_reached(int32_t surfel, vec3 center) {
   way_.assign(1, surfel);
   for (float least = edges_.square_to(surfel, center);;) {

@@ -1,4 +1,4 @@
-// A group of centers → what lies around them → for each of them, the samples in its ball that are connected to it there.
+// A group of centers → the surface around it → for each center, the samples in its ball that are connected to it there.
 #pragma once
 
 #include <functional>
@@ -12,21 +12,21 @@
 
 namespace paradesc {
 
-// The memory that one thread keeps from group to group.
+// The memory that one thread reuses from group to group.
 class Search {
 public:
-  // by_blocks: whole samples are found as parts of blocks.
+  // by_blocks: samples within the ball are found as parts of blocks.
   Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, const SumTarget &target,
          bool by_blocks);
 
-  // Looks around these centers.
+  // Finds the cells and blocks around these centers.
   void look(const TreeCenters &centers, std::span<const int32_t> group);
 
   struct Found {
-    SelectedSamples samples; // in the ball of a center and connected to it there, over edges that meet it
-    bool boundary;           // the mesh's boundary lies in the ball, and belongs to them
+    SelectedSamples samples; // in the center's ball and connected to it there, across edges that meet the ball
+    bool boundary;           // whether the boundary of the mesh meets the ball at these samples
   };
-  // Around each of these centers, in any order. What is found is valid until use() returns.
+  // Calls use() for each of these centers, in any order. The found samples are valid until use() returns.
   using UseFound = std::function<void(int32_t center, const Found &found)>;
   void find_each(const TreeCenters &centers, std::span<const int32_t> group, const UseFound &use);
 
@@ -57,30 +57,30 @@ private:
   const bool by_blocks_;
   const BallEdges edges_;
   vec3 middle_{0.0f};
-  std::vector<int32_t> cells_;     // near the group, in their order
-  std::vector<int32_t> cell_mark_; // (cells) the last group that it was near
+  std::vector<int32_t> cells_;     // near the group, in ascending order
+  std::vector<int32_t> cell_mark_; // (cells) the last group that found it near
   int32_t groups_ = 0;
-  std::vector<int32_t> boundary_; // half-edges of these cells
+  std::vector<int32_t> boundary_; // boundary half-edges of these cells
   std::vector<int32_t> boundary_in_ball_;
-  SampleList divided_; // of very large triangles
+  SampleList divided_; // samples of very large triangles
   std::vector<SampleBlock> divided_blocks_;
-  std::vector<const SampleBlock *> blocks_;       // of Candidates
-  std::vector<float> spheres_[4];                 // likewise
-  std::vector<const FlatSample *> block_samples_; // (blocks_) the first of each
-  std::vector<const SampleMap *> block_maps_;     // likewise, where there is one
-  std::vector<BlockPart> parts_;                  // of Selection
-  std::vector<int32_t> cut_, nearest_;            // likewise
-  std::vector<int32_t> whole_;                    // the samples of the parts, if they are asked for one by one
+  std::vector<const SampleBlock *> blocks_;       // see Candidates
+  std::vector<float> spheres_[4];                 // see Candidates
+  std::vector<const FlatSample *> block_samples_; // (blocks_) the first sample of each
+  std::vector<const SampleMap *> block_maps_;     // (blocks_) their maps, if there are any
+  std::vector<BlockPart> parts_;                  // see Selection
+  std::vector<int32_t> cut_, nearest_;            // see Selection
+  std::vector<int32_t> whole_;                    // the samples of the parts, if they are needed one by one
   Selection selection_{};
-  std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SampleRun
-  std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
-  std::vector<int32_t> mark_;                                   // (surfels) the last center to which it is known to be connected
+  std::vector<const FlatSample *> whole_samples_, cut_samples_; // see SampleRun
+  std::vector<const SampleMap *> whole_maps_, cut_maps_;        // see SampleRun
+  std::vector<int32_t> mark_;                                   // (surfels) the last center that is known to be connected to it
   int32_t walks_ = 0;
-  std::vector<int32_t> reached_; // those
-  std::vector<int32_t> way_;     // of the last walk
-  std::vector<int32_t> unclear_; // centers that only a flood can tell about
+  std::vector<int32_t> reached_; // surfels with the current mark
+  std::vector<int32_t> way_;     // surfels of the last walk
+  std::vector<int32_t> unclear_; // centers whose connection needs a flood
   GroupFlood flood_;
-  std::vector<std::optional<uint64_t>> missed_; // (blocks_) of the last flood, where it was asked for
+  std::vector<std::optional<uint64_t>> missed_; // (blocks_) results of missed_of() for the last flood
 };
 
 } // namespace paradesc

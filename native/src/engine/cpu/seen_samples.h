@@ -1,4 +1,4 @@
-// Samples side by side, as a center sees them, and what of them lies in a ball. Each set of instructions has its own, under
+// Samples in lanes, relative to a center, and the parts of them within a ball. It is compiled for each instruction set, as
 // KERNEL_TARGET.
 #pragma once
 
@@ -12,7 +12,7 @@ inline namespace KERNEL_TARGET {
 
 constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
 
-// Samples as the center sees them.
+// Samples relative to the center.
 struct Seen {
   Vector<3, Lanes> offset, along[2], normal, normal_along[2], face;
   Lanes area, per_area, noise, facet;
@@ -38,7 +38,7 @@ struct Seen {
     return normal + normal_along[0] * place[0] + normal_along[1] * place[1];
   }
   Lanes spread() const { return square_of(along[0]) + square_of(along[1]); }
-  // Of the circle in which the ball of this radius meets the plane.
+  // Returns one over the radius of the circle in which the ball of this radius meets the sample's plane.
   Lanes per_radius_of_arc(float radius) const {
     constexpr float least = 1e-4f;
     const Lanes height = dot(offset, face);
@@ -46,7 +46,7 @@ struct Seen {
   }
 };
 
-// The corners of a sample, along its two directions.
+// The corners of a sample, as coefficients of its two directions.
 constexpr float corner_place[3][2] = {{-2.0f * root2, 0.0f}, {root2, root6}, {root2, -root6}};
 inline void find_corners(const Vector<3, Lanes> &mean, const Vector<3, Lanes> *along, Vector<3, Lanes> *corners) {
   const Vector<3, Lanes> first = along[0] * root2, second = along[1] * root6, middle = mean + first;
@@ -61,16 +61,16 @@ struct Distances {
   Lanes edge[3];   // between corners 0 and 1, 1 and 2, 2 and 0
 };
 
-// The part of samples that lies in a ball.
+// The part of each sample that lies in a ball.
 struct Part {
   Lanes area;
-  Lanes place[2];       // its mean position, along both of the sample's directions
-  Lanes chord;          // squared: between the places where the rim meets the sample's edges; 0: it does not
-  Lanes chord_place[2]; // its middle
+  Lanes place[2];       // its mean position, as coefficients of the sample's directions
+  Lanes chord;          // squared length between the points where the rim meets the sample's edges; 0 if it does not
+  Lanes chord_place[2]; // the middle of the chord
 };
 
-// How far along the edge from a corner to another the rim is met. beyond: how far the squared distances of both are below that of
-// the rim; between them the distance falls as the edge is straight.
+// Finds the point where the edge from one corner to another meets the rim, as the fraction above / below. beyond: how far the
+// squared distances of both corners are below that of the rim. The squared distance along the edge is quadratic.
 inline void meet_rim(const Lanes &beyond, const Lanes &other_beyond, const Lanes &edge, Lanes &above, Lanes &below) {
   const Lanes slope = other_beyond - beyond + edge;
   const Lanes root = fast_sqrt(max(slope * slope + 4.0f * edge * beyond, 0.0f));
@@ -78,9 +78,9 @@ inline void meet_rim(const Lanes &beyond, const Lanes &other_beyond, const Lanes
   below = max(root + mix(slope, -1.0f * slope, beyond > 0.0f), 1e-18f);
 }
 
-// What of a triangle lies in the ball: all but or only the part at the corner that is alone on its side of the rim, which is
-// bounded by two edges, and by an arc that lies beyond its chord. inside: how far the squared distances of the corners are below
-// that of the rim. edge: as Distances has them. per_radius: one over that of the arc.
+// Finds the part of a triangle in the ball. It is the triangle without, or only, the part at the corner that is alone on its side
+// of the rim. The part is bounded by two edges and by an arc beyond its chord. inside: how far the squared distances of the
+// corners are below that of the rim. edge: as in Distances. per_radius: one over the arc's radius.
 [[gnu::always_inline]] inline Part clip(const Seen &seen, const Lanes *inside, const Lanes *edge, const Lanes &per_radius) {
   const Choices in0 = inside[0] > 0.0f, in1 = inside[1] > 0.0f, in2 = inside[2] > 0.0f;
   const Choices alone1 = (in0 != in1) && (in1 != in2), alone2 = (in1 != in2) && (in2 != in0);
@@ -100,7 +100,7 @@ inline void meet_rim(const Lanes &beyond, const Lanes &other_beyond, const Lanes
   const Lanes corner = seen.area * p * q, arc = min(max(chord, 0.0f) * fast_sqrt(chord) * (1.0f / 12.0f) * per_radius, seen.area);
   const Choices only_corner = alone > 0.0f, cut = (in0 != in1) || (in1 != in2);
   const Lanes sign = mix(-1.0f, 1.0f, only_corner);
-  // Areas by corners: that of the triangle at the corner by thirds, that of the arc by halves of its chord.
+  // Areas are distributed to corners: that of the corner triangle by thirds, that of the arc by halves to the ends of its chord.
   const Lanes third = sign * corner * (1.0f / 3.0f), half = arc * 0.5f;
   const Lanes all = mix(seen.area, 0.0f, only_corner);
   const Lanes at_next = p * (third + half), at_previous = q * (third + half);

@@ -1,4 +1,4 @@
-// Large triangles are halved at their longest edges until the pieces are small.
+// Divides large triangles at their longest edges until the pieces are small.
 #include "engine/cpu/surface_samples.h"
 
 #include <algorithm>
@@ -22,16 +22,16 @@ static SampleMap flat(vec4 mean, vec4 first, vec4 second) {
 
 namespace {
 
-// On a triangle.
+// A place on a triangle.
 struct Place {
   vec3 position;
-  vec2 weights; // of the triangle's corners 1 and 2
-  vec3 normal;  // shorter than 1 where normals turn: it lies linearly between those of the corners
+  vec2 weights; // for the triangle's corners 1 and 2
+  vec3 normal;  // linear between the corners, hence shorter than 1 where normals turn
 };
 
 struct Piece {
   Place corner[3];
-  bool at_rim() const { // some corner lies on an edge of the triangle
+  bool at_rim() const { // whether a corner lies on an edge of the triangle
     return std::ranges::any_of(corner, [](const Place &place) {
       const vec2 w = place.weights;
       return w.x == 0.0f || w.y == 0.0f || w.x + w.y >= 0.999999f;
@@ -39,8 +39,8 @@ struct Piece {
   }
 };
 
-// Pieces are halved at their longest edge, which makes them hardly longer than wide: but of a needle far more than lie side by
-// side in it, so needles are cut across first.
+// Halves pieces at their longest edges, which keeps them compact. For needles that would create far more pieces than fit side by
+// side, so needles are cut crosswise first.
 class Divider {
 public:
   Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit, SampleList &samples)
@@ -91,7 +91,7 @@ private:
     return square(position - middle_) > beyond * beyond;
   }
 
-  // What is between these shares of the way from its tip, corner 0, to its base.
+  // Divides the part of a needle between two fractions of the way from its tip, corner 0, to its base.
   void cut_needle(const Piece &needle, float begin, float end) {
     const vec3 to_base = edge(needle, 0);
     const float width = end * length(edge(needle, 1)), half = 0.5f * (end - begin) * length(to_base);
@@ -112,7 +112,7 @@ private:
     const float spread = (square(b - a) + square(c - b) + square(a - c)) * (1.0f / 36.0f);
     const float turn = squared_turn(piece.corner[0].normal, piece.corner[1].normal, piece.corner[2].normal);
     if (!(spread > surfels_.largest_spread_at(turn))) return add(piece);
-    if (is_beyond((a + b + c) * (1.0f / 3.0f), 3.5f * std::sqrt(spread))) return; // no corner is farther from the middle
+    if (is_beyond((a + b + c) * (1.0f / 3.0f), 3.5f * std::sqrt(spread))) return; // no corner is farther from the centroid
     const int from = longest_edge(piece), to = (from + 1) % 3;
     const Place middle = between(piece.corner[from], piece.corner[to], 0.5f);
     Piece half = piece;
@@ -130,7 +130,7 @@ private:
   static SampleMap map_of_triangle(const vec4 (&values)[3]) {
     const vec4 to_next = values[1] - values[0], to_previous = values[2] - values[0];
     return flat((values[0] + values[1] + values[2]) * (1.0f / 3.0f), (to_next + to_previous) * 0.11785113f,
-                (to_next - to_previous) * 0.20412415f); // as sample_of_triangle()
+                (to_next - to_previous) * 0.20412415f); // as in sample_of_triangle()
   }
 
   void add(const Piece &piece) {
@@ -166,7 +166,7 @@ void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t
   Divider(source, surfels, surfel, middle, limit, samples).run();
 }
 
-// By the middles of its triangles' edges, where the product of two linear functions has its mean.
+// Uses the edge midpoints of the surfel's triangles, over which the product of two linear functions has its mean.
 static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel, const Sample &sample) {
   const float u = dot(sample.along[0], sample.along[0]), v = dot(sample.along[1], sample.along[1]),
               uv = dot(sample.along[0], sample.along[1]), determinant = u * v - uv * uv;
@@ -199,7 +199,7 @@ static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int3
   return flat(mean, (first_sum - mean * places.x) / area, (second_sum - mean * places.y) / area);
 }
 
-static constexpr float least_area = 1e-30f; // one over it is a float
+static constexpr float least_area = 1e-30f; // its reciprocal is a finite float
 
 static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, SampleList &samples) {
   const Surfel &surfel = surfels.surfel[index];
@@ -217,7 +217,7 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
 
 namespace {
 
-// Puts the samples of a cell into blocks, by halves of the longest side of the box around them.
+// Orders the samples of a cell into blocks, by recursive halving along the longest side of their bounding box.
 class BlockOrder {
 public:
   BlockOrder(const UnsetVector<FlatSample> &samples, int32_t begin, int32_t end) : samples_(samples) {
@@ -231,7 +231,7 @@ private:
   void halve(std::span<int32_t> part) {
     const size_t blocks = (part.size() + block_lanes - 1) / block_lanes;
     if (blocks < 2) {
-      std::ranges::sort(part); // the order that nth_element leaves differs among C++ libraries
+      std::ranges::sort(part); // C++ libraries differ in the order that nth_element leaves
       return;
     }
     vec3 low(std::numeric_limits<float>::max()), high(-low);

@@ -1,4 +1,4 @@
-// Surfels → the samples that sums run over: one of each small surfel, and those that large triangles are divided into.
+// Surfels → the samples of sums: one for each small surfel, and several for each large triangle, which is divided.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace paradesc {
 
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels);
 
-// Adds the samples of a large triangle that may lie nearer to the middle than the limit.
+// Adds the samples of a large triangle, except those that are farther from the middle than the limit.
 void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
                      SampleList &samples);
 

@@ -1,5 +1,4 @@
-// From the triangles up: which clusters are small enough for one surfel; from the top down: where each surfel and each cell
-// stands.
+// Determines bottom-up which clusters are small enough for one surfel, and then top-down the index of each surfel and cell.
 #include "engine/cpu/surfels.h"
 
 #include <algorithm>
@@ -17,19 +16,19 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 96;
-constexpr float least_spread = 1e-13f;  // pieces of less could not be told apart by floats
-constexpr float spread_of_clusters = 2; // squares of the radius over the number of samples
-constexpr float spread_with_map = 1;    // likewise, where operators look at one
+constexpr float least_spread = 1e-13f;  // floats cannot resolve smaller pieces
+constexpr float spread_of_clusters = 2; // relative to the squared radius over the number of samples
+constexpr float spread_with_map = 1;    // the same, if operators read a map
 
-// Enough of a piece of surface to see whether it can be one surfel.
+// The properties of a piece of surface that determine whether it can be one surfel.
 struct Size {
   vec3 middle, normal, face; // means
   float area, spread;
 };
 
-// What a cluster consists of.
+// The numbers of a cluster's parts.
 struct Counts {
-  float samples; // about
+  float samples; // approximate
   int32_t surfels;
   int32_t cells;
   bool is_small; // it is one surfel, or part of one
@@ -66,7 +65,7 @@ private:
     });
   }
 
-  // For each triangle, of which those that are left out have this.
+  // Allocates an entry for each triangle, with this value for those that are left out.
   template <class T> void leave_out(UnsetVector<T> &items, T value) const {
     items.resize(tree_.rank.size());
     if (tree_.size(0) < tree_.rank.size()) std::ranges::fill(items, value);
@@ -90,19 +89,19 @@ private:
             spread};
   }
 
-  // The square of a third of its height, which is the spread of an equilateral triangle as high: normals of a sliver turn across
-  // it as long as its pieces are wider than that.
+  // Returns the square of a third of the triangle's height, which is the spread of an equilateral triangle of that height. The
+  // normals of a sliver turn across it until its pieces are narrower than that.
   static float spread_by_height(float twice_area, float ab, float bc, float ac) {
     return twice_area * twice_area / (9.0f * std::max({ab, bc, ac, 1e-30f}));
   }
 
-  // About as many as a triangle is divided into: of a sliver, along its length alone.
+  // Returns the approximate number of samples of a triangle. For a sliver, it is proportional to the length only.
   static float samples_of(float area, float spread, float largest_spread) {
     constexpr float area_of_equilateral = 5.2f; // over its spread
     return std::max({1.0f, std::sqrt(spread / largest_spread), area / (area_of_equilateral * largest_spread)});
   }
 
-  // Whether any cluster of this level may be one surfel.
+  // Returns whether any cluster of this level may be one surfel.
   bool measure_level(size_t level, bool any_small_below) {
     const std::vector<int32_t> &children = tree_.child_begin[level - 1];
     const size_t count = tree_.size(level);
@@ -111,7 +110,7 @@ private:
     std::atomic<bool> any_small{false};
     for_each(count, [&](size_t i) {
       const auto begin = static_cast<size_t>(children[i]), end = static_cast<size_t>(children[i + 1]);
-      std::array<Size, ClusterTree::max_children> triangles; // of which none are kept
+      std::array<Size, ClusterTree::max_children> triangles; // not stored for this level
       for (size_t k = begin; level == 1 && k < end; ++k) triangles[k - begin] = measure_triangle(k);
       Counts counts{0, 0, 0, any_small_below};
       for (size_t k = begin; k < end; ++k) {
@@ -158,19 +157,19 @@ private:
     return whole;
   }
 
-  // Whether one sample stands for it.
+  // Returns whether one sample can represent the piece.
   bool is_small(const Size &size) const {
     return size.spread <= largest_spread_ && dot(size.normal, size.normal) > least_coherence_ &&
            dot(size.face, size.face) > least_coherence_;
   }
 
-  // Which surfel and which cell a cluster begins with, or is part of.
+  // The surfel and the cell that a cluster begins with, or is part of.
   struct Start {
     int32_t surfel, cell;
     bool in_surfel, in_cell;
   };
 
-  // From the top down: surfels and cells follow each other in the order of the clusters.
+  // Assigns indices top-down, so that surfels and cells are in the order of the clusters.
   void place() {
     const size_t top = tree_.levels() - 1;
     UnsetVector<Start> starts(tree_.size(top)), below;
@@ -224,14 +223,14 @@ private:
     });
   }
 
-  // Of those surfels that consist of several triangles.
+  // Sums the clusters of surfels with several triangles.
   void gather_clusters() {
     int32_t count = 0;
     for (Surfel &surfel : result_.surfel)
       if (surfel.cluster >= 0) surfel.cluster = count++;
     checkpoint();
     result_.cluster.resize(static_cast<size_t>(count));
-    constexpr int surfels_of_block = 256; // of many triangles each
+    constexpr int surfels_of_block = 256; // with many triangles each
     parallel_blocks(static_cast<int>(result_.surfel.size()), source_.threads, surfels_of_block, [&](int begin, int end) {
       for (int i = begin; i < end; ++i)
         if (result_.surfel[i].cluster >= 0) gather_cluster(static_cast<size_t>(i));
@@ -258,7 +257,7 @@ private:
     if (triangles.size() == 1) surfel.cluster = -1;
   }
 
-  // The links, the boundary and the surfels' neighbors of some cells in a row.
+  // The links, boundary edges and neighbors of consecutive cells.
   struct Part {
     std::vector<int32_t> links, boundary, neighbors, edges, link_count, boundary_count, neighbor_count, edge_count;
     std::vector<std::pair<size_t, int32_t>> edges_of_surfel;
@@ -280,7 +279,7 @@ private:
     join(parts, &Part::edge_count, &Part::edges, result_.edge_begin, result_.edge);
   }
 
-  // The lists of all parts, one after the other, and where each begins.
+  // Concatenates the lists of all parts, and finds where each begins.
   void join(const std::vector<Part> &parts, std::vector<int32_t> Part::*counts, std::vector<int32_t> Part::*items,
             UnsetVector<int32_t> &begin, UnsetVector<int32_t> &all) const {
     std::vector<size_t> first_count{0}, first_item{0};
@@ -302,7 +301,7 @@ private:
     });
   }
 
-  // Returns its index.
+  // Returns the index of the value.
   static size_t add_once(std::vector<int32_t> &list, size_t first, int32_t value) {
     const auto found = std::find(list.begin() + static_cast<ptrdiff_t>(first), list.end(), value);
     const auto index = static_cast<size_t>(found - list.begin());
@@ -332,7 +331,7 @@ private:
 
   void link_surfel(int32_t surfel, int32_t cell, size_t first_link, Part &part) {
     const size_t first_neighbor = part.neighbors.size();
-    std::vector<std::pair<size_t, int32_t>> &edges = part.edges_of_surfel; // and their neighbors
+    std::vector<std::pair<size_t, int32_t>> &edges = part.edges_of_surfel; // with the indices of the neighbors
     edges.clear();
     for (int32_t i = result_.first[surfel]; i < result_.first[surfel + 1]; ++i)
       for (int32_t half_edge = 3 * tree_.item[i]; half_edge < 3 * tree_.item[i] + 3; ++half_edge) {
@@ -373,7 +372,7 @@ float squared_turn(vec3 a, vec3 b, vec3 c) {
 }
 
 float Surfels::largest_spread_at(float turn) const {
-  constexpr float hardly = 0.1f, finer = 30.0f; // 0.1: 18 degrees
+  constexpr float hardly = 0.1f, finer = 30.0f; // a turn of 0.1 is 18 degrees
   return largest_spread / (1.0f + finer * std::max(turn - hardly, 0.0f));
 }
 
@@ -396,7 +395,7 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel
     int32_t corner = first;
     while ((corner = twin[previous_corner(corner)]) >= 0 && corner != first) look_at(corner);
     if (corner == first) return;
-    corner = first; // the fan ends at the boundary: its other side
+    corner = first; // the fan ends at the boundary; continues on its other side
     while ((corner = twin[corner]) >= 0) look_at(corner = next_corner(corner));
   };
   for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
@@ -404,7 +403,7 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel
     look_at(first);
     for (int32_t corner = first; corner < first + 3; ++corner)
       if (twin[corner] < 0 || surfels.triangle_surfel[twin[corner] / 3] != surfel)
-        look_around(corner); // within it, all are its own
+        look_around(corner); // within the surfel, all triangles around are its own
   }
   return std::sqrt(square);
 }

@@ -1,4 +1,4 @@
-// The tensor of the solid → values of descriptors, by the kernels' own text; blended with the engine's values.
+// The tensor of the solid → values of descriptors by the kernels' own code → values blended with the engine's.
 #include "engine/creases/blend.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ Value value_of(const Kernel::vec3 &v) { return {v.x, v.y, v.z}; }
 
 } // namespace
 
-// The descriptors' values for a solid, by row of descriptors.def.
+// The functions that compute the descriptors' values for a solid, by row of descriptors.def.
 using RowOfSolid = Value (*)(const Solid &);
 static constexpr RowOfSolid rows_of_solid[] = {
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, needed)                           \
@@ -53,7 +53,7 @@ static constexpr RowOfSolid rows_of_solid[] = {
 // Operators need a map, and areas do not depend on curvature.
 static bool is_of_solid(int row) { return row < static_cast<int>(std::size(rows_of_solid)) && !uses_terms(row, "area"); }
 
-// The solid's curvatures, the limit of its bending energy for radius 0, and the volume that belongs to H (paper eq. 8).
+// Returns the solid's curvatures, the limit of its bending energy for radius 0, and the volume that belongs to H (paper eq. 8).
 static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const SolidTensor &tensor) {
   Solid solid{kernel, sums, {}};
   const float radius = kernel.params.radius;

@@ -1,4 +1,5 @@
-// Values that an engine found as if the surface were smooth → values that hold near creases, where curvature is the solid's.
+// Values that an engine computed as if the surface were smooth → values that are valid near creases, where curvature is the
+// solid's.
 #pragma once
 
 #include <functional>
@@ -11,21 +12,21 @@
 
 namespace paradesc {
 
-// For one radius, in units of the positions. Does nothing if the surface has no creases, if maps displace it, or if none of the
-// rows follows from curvature.
+// Blends values for one radius, in units of the positions. Does nothing if the surface has no creases, if maps displace it, or if
+// none of the rows depends on curvature.
 class CreaseBlend {
 public:
-  using Part = std::function<void(double)>; // takes what share of a pass is done, and may throw to end it
+  using Part = std::function<void(double)>; // takes the share of a pass that is done, and may throw to end it
 
   CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
 
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;
 
-  // Blending often takes as long as all before it, so half of a pass is left for it: gives the progress of what comes before.
+  // Returns the progress function for the steps before blending. It covers half of the pass, since blending often takes as long.
   Part before(const Part &whole) const;
 
-  // results: of some of the rows, at points, in units of the positions. Rows that do not follow from curvature stay unchanged.
+  // results: of some of the rows, at points, in units of the positions. Rows that do not depend on curvature stay unchanged.
   // whole: gets the progress of the second half; without it the caller's cancel scope remains.
   void at_points(std::span<const int> rows, CenterResults &results, const Part &whole = {}) const;
   // Blends the results of texels from `first` on.

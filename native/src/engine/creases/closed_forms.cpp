@@ -1,4 +1,4 @@
-// An integral over a region is a sum over its boundary, of integrals over the part between the boundary and the foot.
+// An integral over a region is a sum over its boundary. Each term integrates over the part between the boundary and the foot.
 #include "engine/creases/closed_forms.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace paradesc {
 
 namespace {
 
-// The solid angle, seen from the origin, of the triangle between the foot of the origin and a segment, on a plane at this height.
-// Its sign is that of the turn around the foot. An arc at distance rho has (1 - height/rho) times its angle.
+// Returns the solid angle, seen from the origin, of the triangle between the foot of the origin and a segment, on a plane at this
+// height. Its sign is that of the turn around the foot. An arc at distance rho has (1 - height/rho) times its angle.
 double solid_angle_of_segment(dvec2 begin, dvec2 end, double height) {
   const dvec2 edge = end - begin;
   const double length = glm::length(edge);
@@ -24,7 +24,7 @@ double solid_angle_of_segment(dvec2 begin, dvec2 end, double height) {
   return side < 0 ? -angle : angle;
 }
 
-// The integral of the kernel along a line at distance a, from the line's nearest point to s.
+// Returns the integral of the kernel along a line at distance a, from the line's nearest point to s.
 double kernel_along(double s, double a, double radius) {
   const double square = radius * radius, rho2 = a * a + s * s;
   if (!(rho2 > 0)) return 0;
@@ -90,7 +90,7 @@ double kernel_on_segment(dvec3 begin, dvec3 end, double radius) {
   return low < high ? kernel_along(high, a, radius) - kernel_along(low, a, radius) : 0;
 }
 
-// The integrand up to the boundary varies no faster than the squared distance where the boundary comes near.
+// Near the boundary's closest points, the integrand varies no faster than the squared distance.
 double kernel_over(const CutRegion &region, double height, double radius) {
   const double low2 = height * height, low = kernel_values(low2, radius).up_to;
   double sum = region.arcs * (kernel_values(radius * radius, radius).up_to - low);

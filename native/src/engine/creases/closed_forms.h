@@ -1,4 +1,4 @@
-// Integrals of curvature's kernels over flat pieces of a surface, within a ball around the origin.
+// Integrals of curvature's kernels over planar pieces of a surface, within a ball around the origin.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace paradesc {
 
 // The part of a planar region within the ball. Coordinates are relative to the foot of the origin on the plane. The region lies
-// to the left of its segments; the rest of its boundary are arcs of the ball's rim, of which only the angles matter.
+// to the left of its segments. The rest of its boundary consists of arcs of the ball's rim, of which only the angles matter.
 struct CutRegion {
   double radius = 0; // of the rim
   double arcs = 0;   // the sum of their angles
@@ -22,10 +22,10 @@ struct CutRegion {
 // Cuts a triangle whose corners are counter-clockwise.
 void cut_triangle(const std::array<dvec2, 3> &corners, double radius, CutRegion &region);
 
-// The solid angle seen from the origin.
+// Returns the solid angle seen from the origin.
 double solid_angle_of_triangle(const std::array<dvec3, 3> &corners);
 
-// Integral of |h| (1/rho^3 - 1/r^3) over a region of a plane at the height |h| = height.
+// Returns the integral of |h| (1/rho^3 - 1/r^3) over a region of a plane at the height |h| = height.
 double seen_and_filled(const CutRegion &region, double height, double radius);
 
 // Calls visit(begin, end) for steps along a line from s to t that are short compared with their distance from the origin, which
@@ -46,13 +46,13 @@ template <class Visit> void visit_steps(double s, double t, double nearest, cons
 
 GaussRule step_rule(double s, double t, double nearest2); // for the kernel over such a step
 
-// Relative to the radius: kernels change next to nothing nearer than this.
+// Kernels change negligibly below this distance, which is relative to the radius.
 inline constexpr double least_distance = 1e-3;
 
-// The kernel of H for surfaces that bend little, at a squared distance. Its Laplacian is 1 - pi r^2 delta; the kernel and its
-// slope vanish at r.
+// Returns the kernel of H for surfaces that bend little, at a squared distance. Its Laplacian is 1 - pi r^2 delta. The kernel and
+// its slope vanish at r.
 double kernel_at(double rho2, double radius);
-// The kernel within the ball, and the integral of kernel times distance up to there.
+// The kernel at a distance within the ball, and the integral of kernel times distance up to there.
 struct KernelValues {
   double at, up_to;
 };

@@ -9,7 +9,7 @@
 
 namespace paradesc {
 
-// The part of an edge within the ball.
+// A quadrature node on the part of an edge within the ball.
 struct KernelNode {
   double place2; // squared place along the edge's line, from the point nearest to the center
   double weight;
@@ -28,8 +28,8 @@ public:
   void start(); // begins with another center
   // begin, end: relative to the center. An edge is identified by the smaller of its half-edges.
   EdgeKernel at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 end);
-  // The edge's contribution to the kernel's integral over a face at this height. across: distance in the face's plane from the
-  // foot of the center to the edge's line, positive if the foot is to the left.
+  // Returns the edge's contribution to the kernel's integral over a face at this height. across: distance in the face's plane
+  // from the foot of the center to the edge's line, positive if the foot is to the left.
   double over(const EdgeKernel &edge, double height, double across) const;
 
 private:

@@ -14,7 +14,7 @@ namespace paradesc {
 // A connected part of a facet's cut with the ball.
 struct FacetPart {
   int32_t facet;
-  int32_t begin, end; // range in FacetFlood::sides of those that meet the ball there
+  int32_t begin, end; // the sides that meet the ball there, in FacetFlood::sides
 };
 
 // Reused by one thread from place to place, so that arrays stay allocated; the surface is borrowed.

@@ -1,4 +1,5 @@
-// Creases in cells of grids as wide as their reach, with one grid per component: a place sees those of its own component alone.
+// Stores creases in grids, one per component, with cells as wide as the creases' reach. A place only sees those of its own
+// component.
 #include "engine/creases/near.h"
 
 #include <algorithm>

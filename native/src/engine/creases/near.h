@@ -14,7 +14,7 @@ public:
   bool reach(dvec3 position, int32_t triangle) const; // whether a crease of the triangle's component is near enough
 
 private:
-  // The creases of one component, by cells of their bounding box.
+  // The creases of one component, in the cells of their bounding box.
   struct Grid {
     dvec3 low{0}, high{0};
     double cell = 0;

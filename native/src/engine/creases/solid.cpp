@@ -37,21 +37,21 @@ void SolidMeasure::Tensor::add(double amount, dvec2 v) {
   yy += share * (v.y * v.y + 0.5 * no_direction);
 }
 
-// A triangle relative to the center.
+// A triangle with coordinates relative to the center.
 struct SolidMeasure::Seen {
   int32_t triangle;
   const Face &face;
   std::array<dvec3, 3> corners;
-  double height;                  // of its plane; 0 where the center lies on it
-  double nearest, farthest, size; // distances of corners, the longest edge; squared
+  double height;                  // of its plane; 0 if the center lies on it
+  double nearest, farthest, size; // squared: distances of corners, and the longest edge
   // Returns whether the triangle is smaller than this share of its distance, so that integrands vary little over it.
   bool is_small(double share) const { return size < share * share * nearest; }
   double middle2() const { return square_of((corners[0] + corners[1] + corners[2]) / 3.0); }
   double edge_middle2(size_t k) const { return square_of(0.5 * (corners[k] + corners[(k + 1) % 3])); }
 
-  // The corners in the triangle's plane, relative to the foot of the center.
+  // Returns the corners in the triangle's plane, relative to the foot of the center.
   std::array<dvec2, 3> flat() const { return {face.axes.of(corners[0]), face.axes.of(corners[1]), face.axes.of(corners[2])}; }
-  // The integral of a function of the squared distance over a small triangle.
+  // Returns the integral of a function of the squared distance over a small triangle.
   template <class Function> double integral(const Function &function) const {
     const double area = 0.5 * face.twice_area;
     if (is_small(0.05)) return area * function(middle2());
@@ -103,7 +103,7 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   return faces_.back();
 }
 
-// The bend between the planes on both sides of an edge. In a facet, the facet's plane counts instead of the triangle's.
+// Returns the bend between the planes on both sides of an edge. In a facet, the facet's plane replaces the triangle's.
 double SolidMeasure::bend_of(int32_t half_edge) const {
   const Facets &facets = surface_.facets;
   const int32_t twin = surface_.half_edges.twin[half_edge];

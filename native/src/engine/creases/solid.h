@@ -24,13 +24,13 @@
 
 namespace paradesc {
 
-// A surface with creases, borrowed.
+// A surface with creases. Its parts are borrowed.
 struct CreasedSurface {
   const Triangles &triangles;
   const HalfEdges &half_edges;
   const Normals &normals;
   const Creases &creases;
-  const Facets &facets; // of the normals and creases, or none
+  const Facets &facets; // of these normals and creases, or none
 };
 
 struct SolidCenter {
@@ -61,11 +61,11 @@ private:
     void add(double amount, dvec2 v);
   };
   struct Sums {
-    Tensor hard, smooth; // of the solid; of surface that bends little
+    Tensor hard, smooth; // of the solid; of a surface that bends little
   };
   struct Seen;
 
-  // A triangle, independent of the center.
+  // The properties of a triangle that do not depend on the center.
   struct Face {
     dvec3 normal;   // unit
     PlaneAxes axes; // the first along its edge 0; zero if the face has no area
@@ -87,13 +87,13 @@ private:
   void add_face(Sums &sums, const Seen &seen);
   void add_smooth(Tensor &tensor, const Seen &seen);
   double kernel_over_face(const Seen &seen);
-  // Functions for facets, in solid_facets.cpp.
+  // The functions for facets are in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
   bool add_small(Sums &sums, const Facet &facet, double height) const;
   void cut(const FacetPart &part, double height);
   double arcs_of(const FacetPart &part, double turn, bool is_cut) const;
   void add_part(Sums &sums, const FacetPart &part);
-  // Add a plane seen under a solid angle; a bend along an edge; a gradient of normals in a plane.
+  // These add a plane seen under a solid angle, a bend along an edge, or a gradient of normals in a plane.
   void add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const;
   void add_bend(Tensor &tensor, dvec3 normal, dvec3 along, double amount) const;
   void add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes, const PlaneTensor &there, double amount) const;

@@ -1,4 +1,4 @@
-// Parts of facets in the ball → the tensor, by the parts' sides alone, however many triangles there are.
+// Parts of facets in the ball → the tensor, computed from the parts' sides only, however many triangles there are.
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +10,8 @@ namespace paradesc {
 
 namespace {
 
-// The integral of a function of the squared distance over a facet far from the center, by moments up to the second; slope and
-// bend are the function's derivatives.
+// Returns the integral of a function of the squared distance over a facet far from the center, by moments up to the second. slope
+// and bend are the function's first and second derivatives.
 double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, double slope, double bend) {
   const dvec2 m = foot_to_middle;
   const PlaneTensor &s = facet.spread;
@@ -90,8 +90,8 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
   region_.arcs = arcs_of(part, turn, is_cut);
 }
 
-// The angle of the rim's arcs within the part of the facet. If the rim cuts sides, it is, up to whole turns, the sum of angles
-// from each exit of the ball to the next entry.
+// Returns the angle of the rim's arcs within the part of the facet. If the rim cuts sides, it is, up to whole turns, the sum of
+// angles from each exit of the ball to the next entry.
 double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) const {
   const Facet &facet = surface_.facets.facet[part.facet];
   const bool is_within = !is_cut && part.end - part.begin == facet.side_end - facet.side_begin;
