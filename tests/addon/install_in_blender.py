@@ -5,6 +5,7 @@ Usage: blender -b --factory-startup -P install_in_blender.py -- ACTION ARGUMENT.
 """
 
 import gc
+import itertools
 import os
 import statistics
 import sys
@@ -234,10 +235,12 @@ def cycles(package: str) -> None:
 
 
 def growth(megabytes: list[float]) -> float:
-    """Megabytes for each round. The median, since a leak grows in every round, and a list or an arena only in one."""
-    return statistics.median(
-        (late - early) / PERIOD for early, late in zip(megabytes[:-PERIOD], megabytes[PERIOD:], strict=True)
-    )
+    """Megabytes for each round, of what later rounds do not give back: resident memory also rises and falls by pages.
+
+    The median, since a leak grows in every round, and a list or an arena only in one.
+    """
+    kept = list(itertools.accumulate(reversed(megabytes), min))[::-1]
+    return statistics.median((late - early) / PERIOD for early, late in zip(kept[:-PERIOD], kept[PERIOD:], strict=True))
 
 
 def holdings() -> dict[str, float]:
