@@ -12,18 +12,23 @@ namespace {
 constexpr int cells = 20;
 constexpr double radius = 0.3;
 
-// Each side is a chart of its own.
-TestMesh box_with_uvs() {
-  const Triangles triangles = box(cells);
+TestMesh without_uvs(const Triangles &triangles) {
   TestMesh mesh;
   mesh.vertex_count = triangles.vertex_count;
   for (const vec3 &p : triangles.positions) {
     mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
     mesh.points.push_back({p.x, p.y, p.z});
   }
+  mesh.corner_vertices = triangles.corner_vertex;
+  for (size_t c = 0; c < triangles.corner_vertex.size(); ++c) mesh.triangle_corners.push_back(static_cast<int32_t>(c));
+  return mesh;
+}
+
+// Each side is a chart of its own.
+TestMesh box_with_uvs() {
+  const Triangles triangles = box(cells);
+  TestMesh mesh = without_uvs(triangles);
   for (size_t c = 0; c < triangles.corner_vertex.size(); ++c) {
-    mesh.corner_vertices.push_back(triangles.corner_vertex[c]);
-    mesh.triangle_corners.push_back(static_cast<int32_t>(c));
     const size_t side = c / (6 * cells * cells);
     const vec3 p = triangles.position(static_cast<int>(c));
     const float x = 0.5f + 0.48f * p[static_cast<int>(side / 2 + 1) % 3],
@@ -138,15 +143,9 @@ PDESC_ON_EACH_BACKEND(CreasesOn);
 
 // The blend takes nearly all of the time here, half a second of one core, and progress is told every few milliseconds.
 TEST(CreasesOnCpu, have_progress_while_they_are_blended) {
-  const Triangles triangles = prism(300, 4);
-  TestMesh mesh;
-  mesh.vertex_count = triangles.vertex_count;
-  for (const vec3 &p : triangles.positions) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
-  mesh.corner_vertices = triangles.corner_vertex;
-  for (size_t c = 0; c < triangles.corner_vertex.size(); ++c) mesh.triangle_corners.push_back(static_cast<int32_t>(c));
   std::string why_not;
   const Context context = open_context(PDESC_BACKEND_CPU, why_not);
-  const Mesh subject = make_mesh(context.get(), mesh);
+  const Mesh subject = make_mesh(context.get(), without_uvs(prism(300, 4)));
   pdesc_options options;
   pdesc_options_init(&options);
   options.radius = 1.5;
