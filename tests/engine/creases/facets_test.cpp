@@ -32,10 +32,12 @@ struct Subject {
 
   // At each point and in the middle of every seventh triangle.
   std::vector<SolidTensor> tensors(const Facets &of, double radius) const {
-    SolidMeasure measure(surface(of), radius);
+    const SolidSurface shared(surface(of), radius);
+    SolidMeasure measure(shared);
     std::vector<SolidTensor> found;
     const auto look = [&](dvec3 position, dvec3 normal, int32_t triangle, int32_t point) {
       const dvec3 t1 = tangent_of(normal);
+      measure.is_near_crease(position, triangle);
       found.push_back(measure.at({position, normal, t1, glm::cross(normal, t1), triangle, point}));
     };
     for (int32_t point = 0; point < half_edges.point_count; ++point)

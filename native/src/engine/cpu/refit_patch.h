@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/cpu/ball_sums.h"
-#include "engine/cpu/lane_memory.h"
+#include "engine/kernels/lane_memory.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/cpu/ball_sums.h"
-#include "engine/cpu/lane_memory.h"
+#include "engine/kernels/lane_memory.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {

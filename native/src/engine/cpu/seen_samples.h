@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "engine/cpu/add_samples.h"
-#include "engine/cpu/lane_memory.h"
+#include "engine/kernels/lane_memory.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {

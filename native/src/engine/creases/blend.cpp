@@ -91,8 +91,8 @@ static void mix(float *value, const Value &solid, size_t components, float share
 CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads)
     : surface_(surface), radius_(radius), threads_(threads) {
   if (!surface.creases || surface.creases->edges.empty() || surface.maps.any() || std::ranges::none_of(rows, is_of_solid)) return;
-  creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, surface.facets()});
-  near_.emplace(*creased_, radius);
+  solid_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, surface.facets()},
+                 radius);
 }
 
 namespace {
@@ -105,12 +105,12 @@ struct SolidPlace {
 
 } // namespace
 
-bool CreaseBlend::changes(std::span<const int> rows) const { return near_ && std::ranges::any_of(rows, is_of_solid); }
+bool CreaseBlend::changes(std::span<const int> rows) const { return solid_ && std::ranges::any_of(rows, is_of_solid); }
 
 static constexpr double share_before = 0.5;
 
 CreaseBlend::Part CreaseBlend::before(const Part &whole) const {
-  if (!near_) return whole;
+  if (!solid_) return whole;
   return [whole](double done) { whole(share_before * done); };
 }
 
@@ -121,7 +121,7 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
   params.radius = static_cast<float>(radius_);
   const auto blend_one = [&](size_t i, SolidMeasure &measure) {
     const SolidPlace place = find_place(i);
-    if (!near_->reach(place.position, place.triangle)) return;
+    if (!measure.is_near_crease(place.position, place.triangle)) return;
     Kernel kernel{params};
     Kernel::Sums sums;
     kernel.sums_init(sums, {}, {place.normal.x, place.normal.y, place.normal.z}, 0.0f);
@@ -144,7 +144,7 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
     });
   Pool<SolidMeasure> measures;
   parallel_blocks(static_cast<int>(count), threads_, 64, [&](int begin, int end) {
-    measures.with_one([&] { return SolidMeasure(*creased_, radius_); },
+    measures.with_one([&] { return SolidMeasure(*solid_); },
                       [&](SolidMeasure &measure) {
                         for (int i = begin; i < end; ++i) {
                           checkpoint(); // one place alone may take a millisecond

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "engine/creases/near.h"
+#include "engine/creases/solid.h"
 #include "engine/engine.h"
 #include "sample/texels.h"
 
@@ -41,8 +41,7 @@ private:
   const Surface &surface_;
   double radius_;
   int threads_;
-  std::optional<CreasedSurface> creased_;
-  std::optional<NearCreases> near_;
+  std::optional<SolidSurface> solid_;
 };
 
 } // namespace paradesc

@@ -48,13 +48,6 @@ void cut_triangle(const std::array<dvec2, 3> &corners, double radius, CutRegion 
   }
 }
 
-double solid_angle_of_triangle(const std::array<dvec3, 3> &corners) {
-  const auto &[a, b, c] = corners;
-  const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
-  return 2 * angle_of(std::abs(glm::dot(a, glm::cross(b, c))),
-                      x * y * z + glm::dot(a, b) * z + glm::dot(b, c) * x + glm::dot(c, a) * y);
-}
-
 double seen_and_filled(const CutRegion &region, double height, double radius) {
   double solid_angle = (1 - height / radius) * region.arcs, area = 0.5 * region.radius * region.radius * region.arcs;
   for (const auto &[begin, end] : region.segments) {

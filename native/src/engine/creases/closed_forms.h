@@ -22,9 +22,6 @@ struct CutRegion {
 // Cuts a triangle whose corners are counter-clockwise.
 void cut_triangle(const std::array<dvec2, 3> &corners, double radius, CutRegion &region);
 
-// Returns the solid angle seen from the origin.
-double solid_angle_of_triangle(const std::array<dvec3, 3> &corners);
-
 // Returns the integral of |h| (1/rho^3 - 1/r^3) over a region of a plane at the height |h| = height.
 double seen_and_filled(const CutRegion &region, double height, double radius);
 

@@ -25,6 +25,9 @@ public:
   // Floods from all triangles around a point of the mesh, or from within a triangle (point: -1).
   void run(dvec3 center, int32_t point, int32_t triangle, double radius);
   std::span<const int32_t> triangles() const { return reached_; }
+  size_t own_triangles() const { return own_triangles_; } // those around the center, which come first
+  // Returns whether the flood reached the face of a half-edge that meets the ball.
+  bool has_reached(int32_t half_edge) const;
   std::span<const FacetPart> parts() const { return parts_; }
   std::span<const int32_t> sides(const FacetPart &part) const {
     return std::span(sides_).subspan(static_cast<size_t>(part.begin), static_cast<size_t>(part.end - part.begin));
@@ -40,11 +43,14 @@ private:
   };
 
   void start(int32_t triangle);
-  void reach(int32_t triangle);
+  void reach(int32_t half_edge, bool begin_inside, bool end_inside);
   bool is_one(int32_t facet);
   void reach_part(int32_t triangle);
-  void cross(int32_t half_edge);
+  void cross_edges(size_t reached);
+  void cross(int32_t half_edge, bool begin_inside, bool end_inside);
   void cross(const FacetSide &side);
+  bool is_inside(dvec3 place) const;
+  bool is_inside(int32_t corner) const { return is_inside(dvec3(triangles_.position(corner))); }
   bool meets(dvec3 begin, dvec3 end) const;
   bool meets(int32_t half_edge) const;
 
@@ -58,6 +64,8 @@ private:
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
   std::vector<int32_t> reached_, sides_, own_facets_;
+  std::vector<uint8_t> inside_; // of reached triangles: one bit for each corner in the ball
+  size_t own_triangles_ = 0;
   std::vector<FacetPart> parts_;
   std::vector<int32_t> waiting_; // triangles of a part
 };

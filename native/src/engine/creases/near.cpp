@@ -63,19 +63,23 @@ void NearCreases::add_edge(const Grid &grid, int32_t edge) {
   }
 }
 
-bool NearCreases::reach(dvec3 position, int32_t triangle) const {
+void NearCreases::find(dvec3 position, int32_t triangle, std::vector<NearCrease> &found) const {
+  found.clear();
   const auto piece = static_cast<size_t>(surface_.half_edges.triangle_piece[triangle]);
-  if (piece >= grids_.size() || grids_[piece].begin == grids_[piece].end) return false;
+  if (piece >= grids_.size() || grids_[piece].begin == grids_[piece].end) return;
   const Grid &grid = grids_[piece];
+  const double reach = CREASE_REACH * radius_;
+  const dvec3 beyond = glm::abs(position - glm::clamp(position, grid.low, grid.high));
+  if (std::max({beyond.x, beyond.y, beyond.z}) > reach) return;
   const uint64_t cell = number_of(grid.cell_at(position));
   const auto from_here = [&](int32_t corner) { return dvec3(surface_.triangles.position(corner)) - position; };
   const auto end = entries_.begin() + static_cast<ptrdiff_t>(grid.end);
   for (auto item = std::lower_bound(entries_.begin() + static_cast<ptrdiff_t>(grid.begin), end, cell << 32);
        item != end && *item >> 32 == cell; ++item) {
     const auto edge = static_cast<int32_t>(*item & 0xffffffff);
-    if (segment_distance(from_here(edge), from_here(next_corner(edge))) < CREASE_REACH * radius_) return true;
+    const double distance = segment_distance(from_here(edge), from_here(next_corner(edge)));
+    if (distance < reach) found.push_back({distance, edge});
   }
-  return false;
 }
 
 } // namespace paradesc

@@ -4,14 +4,20 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/creases/solid.h"
+#include "engine/creases/face_rows.h"
 
 namespace paradesc {
+
+struct NearCrease {
+  double distance;
+  int32_t half_edge;
+};
 
 class NearCreases {
 public:
   NearCreases(const CreasedSurface &surface, double radius);
-  bool reach(dvec3 position, int32_t triangle) const; // whether a crease of the triangle's component is near enough
+  // Finds the creases of the triangle's component that are nearer than CREASE_REACH radii.
+  void find(dvec3 position, int32_t triangle, std::vector<NearCrease> &found) const;
 
 private:
   // The creases of one component, in the cells of their bounding box.

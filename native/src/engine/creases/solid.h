@@ -13,24 +13,21 @@
 #include <vector>
 
 #include "engine/creases/closed_forms.h"
-#include "engine/creases/edge_kernels.h"
+#include "engine/creases/face_rows.h"
 #include "engine/creases/facet_flood.h"
-#include "mesh/creases.h"
-#include "mesh/facets.h"
-#include "mesh/halfedge.h"
-#include "mesh/normal_gradient.h"
-#include "mesh/normals.h"
-#include "mesh/triangles.h"
+#include "engine/creases/near.h"
 
 namespace paradesc {
 
-// A surface with creases. Its parts are borrowed.
-struct CreasedSurface {
-  const Triangles &triangles;
-  const HalfEdges &half_edges;
-  const Normals &normals;
-  const Creases &creases;
-  const Facets &facets; // of these normals and creases, or none
+// What the threads of one pass share.
+struct SolidSurface {
+  CreasedSurface parts;
+  double radius;
+  NearCreases near;
+  FaceRows rows;
+  FaceTarget target = face_targets()[0];
+  SolidSurface(const CreasedSurface &surface, double radius_)
+      : parts(surface), radius(radius_), near(surface, radius_), rows(surface, radius_) {}
 };
 
 struct SolidCenter {
@@ -40,9 +37,6 @@ struct SolidCenter {
   int32_t point; // -1: the center lies within the triangle
 };
 
-// Bends below this angle, in radians, are ignored.
-inline constexpr double LEAST_BEND = 1e-8;
-
 struct SolidTensor {
   double weight = 0;             // 0 if no crease comes nearer than CREASE_REACH r, 1 if one meets the ball
   double xx = 0, xy = 0, yy = 0; // in the center's tangents, one over units of the positions
@@ -51,8 +45,9 @@ struct SolidTensor {
 // Reused by one thread from center to center, so that arrays stay allocated.
 class SolidMeasure {
 public:
-  SolidMeasure(const CreasedSurface &surface, double radius);
-  SolidTensor at(const SolidCenter &center);
+  explicit SolidMeasure(const SolidSurface &shared);
+  bool is_near_crease(dvec3 position, int32_t triangle); // at() of any other center has the weight 0
+  SolidTensor at(const SolidCenter &center);             // requires a call of is_near_crease() for its place
 
 private:
   // A symmetric tensor in the tangent plane of the center.
@@ -63,30 +58,14 @@ private:
   struct Sums {
     Tensor hard, smooth; // of the solid; of a surface that bends little
   };
-  struct Seen;
 
-  // The properties of a triangle that do not depend on the center.
-  struct Face {
-    dvec3 normal;   // unit
-    PlaneAxes axes; // the first along its edge 0; zero if the face has no area
-    double twice_area;
-    bool is_needle;       // has the normal of the face behind it
-    double bend[3];       // at each half-edge, positive if convex; 0 at boundaries
-    bool is_crease[3];    // at each half-edge
-    PlaneTensor gradient; // of the normals in its plane
-    PlaneTensor excess;   // the gradient's integral over the area, less the bends of edges that are not creases
-  };
-
-  const Face &face(int32_t triangle);
-  double bend_of(int32_t half_edge) const;
-  void start(const SolidCenter &center);
   void flood(double radius);
-  double nearest_crease() const;
-  Seen see(int32_t triangle);
-  void add_own_edges(Tensor &tensor);
-  void add_face(Sums &sums, const Seen &seen);
-  void add_smooth(Tensor &tensor, const Seen &seen);
-  double kernel_over_face(const Seen &seen);
+  double weight();
+  double nearest_reached() const;
+  void add_own_edges(Tensor &tensor) const;
+  void add_triangles(Sums &sums);
+  void add_large_triangle(Sums &sums, int32_t triangle, bool is_own);
+  LaneCenter lane_center() const;
   // The functions for facets are in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
   bool add_small(Sums &sums, const Facet &facet, double height) const;
@@ -97,17 +76,16 @@ private:
   void add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const;
   void add_bend(Tensor &tensor, dvec3 normal, dvec3 along, double amount) const;
   void add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes, const PlaneTensor &there, double amount) const;
-  bool turns(const PlaneTensor &gradient) const;
 
-  CreasedSurface surface_;
+  const SolidSurface &shared_;
+  const CreasedSurface &surface_;
   double radius_;
   SolidCenter center_{};
-  double rounding_ = 0;       // of the center's coordinates
-  std::vector<Face> faces_;   // visited so far
-  std::vector<int32_t> face_; // (triangles) in faces_, or -1
+  double rounding_ = 0; // of the center's coordinates
   FacetFlood flood_;
-  EdgeKernels edges_;
-  CutRegion region_; // of the last cut
+  std::vector<NearCrease> near_;      // those of the center
+  std::vector<const FaceRow *> rows_; // those in the ball
+  CutRegion region_;                  // of the last cut
 };
 
 } // namespace paradesc

@@ -119,7 +119,7 @@ void SolidMeasure::add_part(Sums &sums, const FacetPart &part) {
     const dvec3 begin = side.begin - center_.position, end = side.end - center_.position;
     add_bend(sums.smooth, facet.normal, end - begin, side.bend * kernel_on_segment(begin, end, radius_));
   }
-  const bool is_bent = turns(facet.gradient);
+  const bool is_bent = turns(facet.gradient, radius_);
   if (height == 0 && !is_bent) return;
   cut(part, height);
   if (height != 0) add_plane(sums.hard, facet.normal, height, seen_and_filled(region_, std::abs(height), radius_));

@@ -86,6 +86,9 @@ inline Lanes max(const Lanes &a, const Lanes &b) { return PARADESC_LANES_BY(max)
 inline Lanes min(const Lanes &a, const Lanes &b) { return mix(a, b, b < a); }
 inline Lanes max(const Lanes &a, const Lanes &b) { return mix(a, b, a < b); }
 #endif
+inline Lanes abs(const Lanes &a) {
+  return Lanes(std::bit_cast<Lanes::Floats>(std::bit_cast<Choices::Bits>(a.lane) & 0x7fffffff));
+}
 inline Choices isnan(const Lanes &a) { return {a.lane != a.lane}; }
 inline Lanes sqrt(const Lanes &a) {
   Lanes result;
