@@ -20,10 +20,9 @@ Lanes only(const Choices &where, const Lanes &value) { return mix(0.0f, value, w
 struct Tensor {
   Lanes xx = 0.0f, xy = 0.0f, yy = 0.0f;
 
-  // Adds amount·v̂v̂ᵀ; for a near-zero v, half the amount on each axis.
-  void add(const Lanes &amount, const Lanes &x, const Lanes &y) {
-    constexpr float no_direction = 1e-4f;
-    const Lanes share = amount / (x * x + y * y + no_direction);
+  // Adds amount·v̂v̂ᵀ; for a v that is near zero compared with the unit, half the amount on each axis.
+  void add(const Lanes &amount, const Lanes &x, const Lanes &y, const Lanes &unit2) {
+    const Lanes no_direction = 1e-4f * unit2, share = amount / (x * x + y * y + no_direction);
     xx += share * (x * x + 0.5f * no_direction);
     xy += share * x * y;
     yy += share * (y * y + 0.5f * no_direction);
@@ -151,30 +150,50 @@ struct Along {
 };
 
 // Returns the integral of across ln(q/h²)/(q - h²) along the part of an edge, q the squared distance and h the height. Nodes lie
-// closer together near the line's nearest point: evenly in u, s = near sinh(u).
-Lanes height_integral(const Edge &edge, const Lanes &height2) {
-  constexpr float nodes[3] = {0.93246951f, 0.66120939f, 0.23861919f}, weights[3] = {0.17132449f, 0.36076157f, 0.46791393f};
-  const Lanes near2 = max(edge.near2, height2), near = sqrt(near2), across2 = edge.across * edge.across;
-  // e^u of both ends. Of a number below 0 it is the inverse of that of its opposite, which is not rounded away.
-  const auto exponential = [&](const Lanes &s) {
-    const Lanes up = (abs(s) + sqrt(s * s + near2)) / near;
-    return mix(up, 1.0f / up, s < 0.0f);
-  };
-  const Lanes begin = exponential(edge.low), end = exponential(edge.high);
-  const Lanes half = 0.5f * logarithm(end / begin), middle = sqrt(begin * end);
-  Lanes sum = 0.0f;
-  const auto add = [&](const Lanes &e, float weight) {
-    const Lanes s = 0.5f * near * (e - 1.0f / e), cosh = 0.5f * (e + 1.0f / e), b = across2 + s * s, x = b / height2;
-    const Lanes value = mix((1.0f - 0.5f * x) / height2, logarithm(1.0f + x) / max(b, 1e-30f), x > 1e-3f);
-    sum += weight * cosh * value;
-  };
-  for (int i = 0; i < 3; ++i) {
-    const Lanes step = exp(half * nodes[i]);
-    add(middle * step, weights[i]);
-    add(middle / step, weights[i]);
+// closer together near the line's nearest point: those of Gauss in u, s = near sinh(u). Short parts take three of them.
+class HeightIntegral {
+public:
+  HeightIntegral(const Edge &edge, const Lanes &height2)
+      : edge_(edge), height2_(height2), near_(sqrt(max(edge.near2, height2))) {
+    const Lanes begin = exponential(edge.low), end = exponential(edge.high);
+    half_ = 0.5f * logarithm(end / begin);
+    middle_ = sqrt(begin * end);
   }
-  return edge.across * near * half * sum;
-}
+
+  Lanes value() const {
+    constexpr float three = 0.77459667f, six[3] = {0.93246951f, 0.66120939f, 0.23861919f};
+    constexpr float weights[3] = {0.17132449f, 0.36076157f, 0.46791393f};
+    Lanes sum = 0.55555556f * pair(three) + 0.88888889f * at(middle_);
+    const Choices is_long = half_ > 0.75f;
+    if (any(is_long)) {
+      Lanes finer = 0.0f;
+      for (int i = 0; i < 3; ++i) finer += weights[i] * pair(six[i]);
+      sum = mix(sum, finer, is_long);
+    }
+    return edge_.across * near_ * half_ * sum;
+  }
+
+private:
+  // e^u. Of a number below 0 it is the inverse of that of its opposite, which is not rounded away.
+  Lanes exponential(const Lanes &s) const {
+    const Lanes up = (abs(s) + sqrt(s * s + near_ * near_)) / near_;
+    return mix(up, 1.0f / up, s < 0.0f);
+  }
+  // Returns the integrand times cosh(u).
+  Lanes at(const Lanes &e) const {
+    const Lanes back = 1.0f / e, s = 0.5f * near_ * (e - back), b = edge_.across * edge_.across + s * s, x = b / height2_;
+    const Lanes value = mix((1.0f - 0.5f * x) / height2_, logarithm(1.0f + x) / max(b, 1e-30f), x > 1e-3f);
+    return 0.5f * (e + back) * value;
+  }
+  Lanes pair(float node) const {
+    const Lanes step = exp(half_ * node);
+    return at(middle_ * step) + at(middle_ / step);
+  }
+
+  const Edge &edge_;
+  const Lanes height2_, near_;
+  Lanes half_, middle_;
+};
 
 // ---- The surface as a solid
 
@@ -217,7 +236,7 @@ Lanes kernel_over(const Edge (&edges)[3], const Along (&along)[3], const Lanes &
     const Edge &edge = edges[k];
     arcs += edge.sector;
     sum += edge.across * (0.0625f * (along[k].squares + height2 * (edge.high - edge.low)) - 0.125f * along[k].logarithms);
-    if (is_high) sum = sum - 0.125f * height2 * only(height2 > 1e-9f, height_integral(edge, height2));
+    if (is_high) sum = sum - 0.125f * height2 * only(height2 > 1e-9f, HeightIntegral(edge, height2).value());
   }
   return sum + arcs * (0.0625f - height2 * (0.0625f * height2 - 0.125f * logarithm(height2)));
 }
@@ -244,7 +263,7 @@ public:
     if (any(is_at_rim)) solid += only(is_at_rim, seen_at_rim(seen_, height_));
     if (any(counts_ && is_small_)) add_small(sums.smooth);
     if (any(counts_ && !is_small_) || any(is_cut)) solid += add_near(sums.smooth, is_cut);
-    sums.hard.add(mix(solid, -solid, seen_.height < 0.0f), turned_.p1, turned_.p2);
+    sums.hard.add(mix(solid, -solid, seen_.height < 0.0f), turned_.p1, turned_.p2, 1.0f);
   }
 
 private:
@@ -287,8 +306,7 @@ private:
 
   // Removes half of a bend; the other half is removed for the face across the edge.
   void remove_bend(Tensor &tensor, int k, const Lanes &amount) const {
-    const Place along = seen_.way[k] / max(sqrt(seen_.length2[k]), 1e-30f);
-    tensor.add(-0.5f * amount, dot(turned_.w2, along), -dot(turned_.w1, along));
+    tensor.add(-0.5f * amount, dot(turned_.w2, seen_.way[k]), -dot(turned_.w1, seen_.way[k]), max(seen_.length2[k], 1e-30f));
   }
 
   const FaceRow *const *rows_;

@@ -10,14 +10,13 @@ namespace paradesc {
 
 FacetFlood::FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets)
     : triangles_(triangles), half_edges_(half_edges), facets_(facets), mark_(static_cast<size_t>(triangles.triangle_count), 0),
-      met_(facets.facet.size()), side_mark_(facets.side.size(), 0) {}
+      has_facets_(!facets.facet.empty()), met_(facets.facet.size()), side_mark_(facets.side.size(), 0) {}
 
 void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radius) {
   center_ = center;
   radius_ = radius;
   ++places_;
-  reached_.clear();
-  inside_.clear();
+  reached_ = 0;
   sides_.clear();
   parts_.clear();
   own_facets_.clear();
@@ -28,14 +27,15 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
     corner = half_edges_.twin[previous_corner(corner)];
     if (corner == first) break;
   }
-  own_triangles_ = reached_.size();
-  for (size_t triangles = 0, sides = 0; triangles < reached_.size() || sides < sides_.size();) {
+  own_triangles_ = reached_;
+  for (size_t own = 0; own < own_triangles_; ++own) cross(entered_[own], (inside_[own] & 1) != 0, (inside_[own] & 2) != 0);
+  for (size_t triangles = 0, sides = 0; triangles < reached_ || sides < sides_.size();) {
     checkpoint_at(triangles + sides, 4096);
     if (sides < sides_.size()) {
       cross(facets_.side[sides_[sides++]]);
       continue;
     }
-    cross_edges(triangles++);
+    go_on(triangles++);
   }
 }
 
@@ -46,22 +46,17 @@ bool FacetFlood::has_reached(int32_t half_edge) const {
 
 void FacetFlood::start(int32_t triangle) {
   if (facets_.of_triangle[triangle] >= 0) own_facets_.push_back(facets_.of_triangle[triangle]);
-  reach(3 * triangle, is_inside(3 * triangle), is_inside(3 * triangle + 1));
+  reach(3 * triangle, is_inside(3 * triangle), is_inside(next_corner(3 * triangle)));
 }
 
-// Reaches the triangle of a half-edge, of whose ends it is known whether they lie in the ball.
+// Reaches the triangle of a half-edge if it is new.
 void FacetFlood::reach(int32_t half_edge, bool begin_inside, bool end_inside) {
-  const int32_t triangle = half_edge / 3, k = half_edge % 3;
+  const int32_t triangle = half_edge / 3, facet = facets_.of_triangle[triangle];
   if (mark_[triangle] == places_) return;
-  const int32_t facet = facets_.of_triangle[triangle];
-  if (facet >= 0) {
-    if (!is_one(facet)) reach_part(triangle);
-    return;
-  }
-  mark_[triangle] = places_;
-  reached_.push_back(triangle);
-  const bool apex_inside = is_inside(previous_corner(half_edge));
-  inside_.push_back(static_cast<uint8_t>(begin_inside << k | end_inside << (k + 1) % 3 | apex_inside << (k + 2) % 3));
+  if (facet < 0)
+    append(half_edge, begin_inside, end_inside, true);
+  else if (!is_one(facet))
+    reach_part(triangle);
 }
 
 // Returns whether the ball can cut only one part out of the facet; if so, that part is reached.
@@ -111,18 +106,32 @@ void FacetFlood::reach_part(int32_t triangle) {
   parts_.push_back({facet, first, static_cast<int32_t>(sides_.size())});
 }
 
-void FacetFlood::cross_edges(size_t reached) {
-  const int32_t begin = 3 * reached_[reached];
-  const uint32_t inside = inside_[reached];
-  for (int32_t k = 0; k < 3; ++k) cross(begin + k, (inside >> k & 1) != 0, (inside >> (k + 1) % 3 & 1) != 0);
+// Crosses the two edges of a triangle that the flood did not come across.
+void FacetFlood::go_on(size_t reached) {
+  const int32_t entered = entered_[reached], apex = previous_corner(entered);
+  const bool begin_inside = (inside_[reached] & 1) != 0, end_inside = (inside_[reached] & 2) != 0, apex_inside = is_inside(apex);
+  cross(next_corner(entered), end_inside, apex_inside);
+  cross(apex, apex_inside, begin_inside);
 }
 
-void FacetFlood::cross(int32_t half_edge, bool begin_inside, bool end_inside) {
-  const int32_t twin = half_edges_.twin[half_edge];
-  if (twin < 0 || mark_[twin / 3] == places_) return;
-  const int32_t facet = facets_.of_triangle[twin / 3];
-  if (facet >= 0 && met_[facet].place == places_ && met_[facet].cut == Cut::one) return;
-  if (begin_inside || end_inside || meets(half_edge)) reach(twin, end_inside, begin_inside);
+// Most triangles take the last line. Whether they are new is unpredictable, so it does not branch.
+inline void FacetFlood::cross(int32_t half_edge, bool begin_inside, bool end_inside) {
+  const int32_t twin = half_edges_.twin[half_edge], triangle = twin / 3;
+  if (twin < 0) return;
+  if (!(begin_inside | end_inside) && (mark_[triangle] == places_ || !meets(half_edge))) return;
+  if (has_facets_ && facets_.of_triangle[triangle] >= 0) return reach(twin, end_inside, begin_inside);
+  append(twin, end_inside, begin_inside, mark_[triangle] != places_);
+}
+
+inline void FacetFlood::append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new) {
+  if (reached_ == entered_.size()) [[unlikely]] {
+    entered_.resize(2 * reached_ + 64);
+    inside_.resize(2 * reached_ + 64);
+  }
+  entered_[reached_] = half_edge;
+  inside_[reached_] = static_cast<uint8_t>(begin_inside | end_inside << 1);
+  mark_[half_edge / 3] = places_;
+  reached_ += is_new;
 }
 
 void FacetFlood::cross(const FacetSide &side) {

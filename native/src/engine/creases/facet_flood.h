@@ -24,7 +24,8 @@ public:
 
   // Floods from all triangles around a point of the mesh, or from within a triangle (point: -1).
   void run(dvec3 center, int32_t point, int32_t triangle, double radius);
-  std::span<const int32_t> triangles() const { return reached_; }
+  // Triangles outside of facets, each by the half-edge that the flood came across.
+  std::span<const int32_t> half_edges() const { return std::span(entered_).first(reached_); }
   size_t own_triangles() const { return own_triangles_; } // those around the center, which come first
   // Returns whether the flood reached the face of a half-edge that meets the ball.
   bool has_reached(int32_t half_edge) const;
@@ -44,9 +45,10 @@ private:
 
   void start(int32_t triangle);
   void reach(int32_t half_edge, bool begin_inside, bool end_inside);
+  void append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new);
+  void go_on(size_t reached);
   bool is_one(int32_t facet);
   void reach_part(int32_t triangle);
-  void cross_edges(size_t reached);
   void cross(int32_t half_edge, bool begin_inside, bool end_inside);
   void cross(const FacetSide &side);
   bool is_inside(dvec3 place) const;
@@ -60,12 +62,14 @@ private:
   dvec3 center_{0};
   double radius_ = 0;
   std::vector<int32_t> mark_;      // (triangles) the last place that reached it
+  bool has_facets_;
   std::vector<Met> met_;           // (facets)
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
-  std::vector<int32_t> reached_, sides_, own_facets_;
-  std::vector<uint8_t> inside_; // of reached triangles: one bit for each corner in the ball
-  size_t own_triangles_ = 0;
+  size_t reached_ = 0, own_triangles_ = 0;
+  std::vector<int32_t> entered_; // half-edges of reached triangles
+  std::vector<uint8_t> inside_;  // whether begin (1) and end (2) of these lie in the ball
+  std::vector<int32_t> sides_, own_facets_;
   std::vector<FacetPart> parts_;
   std::vector<int32_t> waiting_; // triangles of a part
 };

@@ -122,9 +122,10 @@ void SolidMeasure::add_triangles(Sums &sums) {
   constexpr size_t of_a_millisecond = 4096;
   rows_.clear();
   int32_t own = 0;
-  for (size_t i = 0; i < flood_.triangles().size(); ++i) {
+  const std::span<const int32_t> reached = flood_.half_edges();
+  for (size_t i = 0; i < reached.size(); ++i) {
     checkpoint_at(i, of_a_millisecond);
-    const int32_t triangle = flood_.triangles()[i];
+    const int32_t triangle = reached[i] / 3;
     const FaceRow &row = shared_.rows.of(triangle);
     if (!(row.twice_area > 0.0f)) continue;
     if (row.is_large > 0.0f) {
