@@ -24,12 +24,36 @@ double solid_angle_of_segment(dvec2 begin, dvec2 end, double height) {
   return side < 0 ? -angle : angle;
 }
 
-// Returns the integral of the kernel along a line at distance a, from the line's nearest point to s.
-double kernel_along(double s, double a, double radius) {
-  const double square = radius * radius, rho2 = a * a + s * s;
-  if (!(rho2 > 0)) return 0;
-  return 0.25 * (a * a * s + s * s * s / 3 - square * s) -
-         0.25 * square * (s * logarithm_of(std::max(rho2 / square, 1e-24)) - 2 * s + 2 * a * angle_of(s, a));
+// A part of a line within the ball, from low to high, counted from the point nearest to the center; in radii.
+struct LinePart {
+  double low, high, near2; // squared distance of the line
+
+  double length() const { return high - low; }
+  double squares() const { return length() * (near2 + (high * high + high * low + low * low) / 3); } // their integral
+  double logarithms() const {                                                                        // of squared distances
+    constexpr double least = 1e-24;
+    const double near = std::sqrt(near2), of_low = logarithm_of(std::max(near2 + low * low, least)),
+                 of_high = logarithm_of(std::max(near2 + high * high, least));
+    return high * of_high - low * of_low - 2 * length() + 2 * near * angle_of(near * length(), near2 + low * high);
+  }
+};
+
+// Returns the integral of across ln(q/h²)/(q - h²) along a line, q the squared distance and h the height. This is the part of an
+// integral of logarithms over a plane that is not elementary. Nodes are those of Gauss in t, s = 2 near t/(1 - t²), so that they
+// lie closer together near the line's nearest point.
+double height_integral(const LinePart &line, double across, double height2) {
+  const double near = std::sqrt(line.near2);
+  const auto t_of = [&](double s) { return s / (near + std::sqrt(line.near2 + s * s)); };
+  const double begin = t_of(line.low), end = t_of(line.high);
+  const GaussRule rule = gauss_rule(6);
+  double sum = 0;
+  for (size_t i = 0; i < rule.nodes.size(); ++i) {
+    const double t = begin + rule.nodes[i] * (end - begin), v = 1 / (1 - t * t), s = 2 * near * t * v;
+    const double x = (across * across + s * s) / height2;
+    constexpr double small = 1e-6;
+    sum += rule.weights[i] * (1 + t * t) * v * v * (x > small ? logarithm_of(1 + x) / x : 1 - 0.5 * x);
+  }
+  return 2 * across * near * (end - begin) * sum / height2;
 }
 
 } // namespace
@@ -62,47 +86,33 @@ double kernel_at(double rho2, double radius) {
   return share < 1 ? 0.25 * (rho2 - square - square * logarithm_of(std::max(share, 1e-24))) : 0;
 }
 
-GaussRule step_rule(double s, double t, double nearest2) {
-  const double middle = 0.5 * (s + t), half = 0.5 * (t - s), share2 = (middle * middle + nearest2) / (half * half);
-  return gauss_rule(share2 > 25 ? 3 : share2 > 6 ? 4 : 6);
-}
-
-KernelValues kernel_values(double rho2, double radius) {
-  const double square = radius * radius, grown = square * logarithm_of(std::max(rho2 / square, 1e-24));
-  return {0.25 * (rho2 - square - grown), rho2 * (0.0625 * rho2 - 0.125 * grown)};
-}
-
 double kernel_on_segment(dvec3 begin, dvec3 end, double radius) {
-  const dvec3 edge = end - begin;
-  const double length = glm::length(edge);
+  const double length = glm::distance(begin, end) / radius;
   if (!(length > 0)) return 0;
-  const double from = glm::dot(begin, edge) / length, to = from + length;
-  const double a2 = std::max(glm::dot(begin, begin) - from * from, 0.0), half2 = radius * radius - a2;
-  if (!(half2 > 0)) return 0;
-  const double half = std::sqrt(half2), low = std::max(from, -half), high = std::min(to, half), a = std::sqrt(a2);
-  return low < high ? kernel_along(high, a, radius) - kernel_along(low, a, radius) : 0;
+  const dvec3 a = begin / radius, along = (end - begin) / (radius * length);
+  const double from = glm::dot(a, along), near2 = std::max(glm::dot(a, a) - from * from, 0.0);
+  if (!(near2 < 1)) return 0;
+  const double half = std::sqrt(1 - near2);
+  const LinePart part{std::max(from, -half), std::min(from + length, half), near2};
+  if (!(part.low < part.high)) return 0;
+  return 0.25 * (part.squares() - part.length() - part.logarithms()) * radius * radius * radius;
 }
 
-// Near the boundary's closest points, the integrand varies no faster than the squared distance.
+// With U the kernel's integral over a disc, divided by its angle, a segment adds the integral of U(q) - U(h²) over the angle.
 double kernel_over(const CutRegion &region, double height, double radius) {
-  const double low2 = height * height, low = kernel_values(low2, radius).up_to;
-  double sum = region.arcs * (kernel_values(radius * radius, radius).up_to - low);
+  constexpr double least_height2 = 1e-12;
+  const double height2 = std::max(height * height / (radius * radius), least_height2);
+  double sum = region.arcs * (0.0625 - height2 * (0.0625 * height2 - 0.125 * logarithm_of(height2)));
   for (const auto &[begin, end] : region.segments) {
-    const dvec2 edge = end - begin;
-    const double length = glm::length(edge);
+    const double length = glm::distance(begin, end) / radius;
     if (!(length > 0)) continue;
-    const double across = cross(begin, edge) / length, across2 = across * across, from = glm::dot(begin, edge) / length;
-    const double nearest = std::max(std::sqrt(across2 + low2), least_distance * radius);
-    visit_steps(from, from + length, nearest, [&](double s, double t) {
-      const GaussRule rule = step_rule(s, t, across2 + low2);
-      for (size_t i = 0; i < rule.nodes.size(); ++i) {
-        const double place = s + rule.nodes[i] * (t - s), square = across2 + place * place;
-        if (square > 0)
-          sum += rule.weights[i] * std::abs(t - s) * across / square * (kernel_values(square + low2, radius).up_to - low);
-      }
-    });
+    const dvec2 a = begin / radius, along = (end - begin) / (radius * length);
+    const double across = cross(a, along), from = glm::dot(a, along);
+    const LinePart part{from, from + length, across * across + height2};
+    sum += across * (0.0625 * (part.squares() + height2 * length) - 0.125 * part.logarithms());
+    if (height2 > least_height2) sum -= 0.125 * height2 * height_integral(part, across, height2);
   }
-  return sum;
+  return sum * radius * radius * radius * radius;
 }
 
 } // namespace paradesc

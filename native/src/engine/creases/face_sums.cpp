@@ -149,51 +149,22 @@ struct Along {
   }
 };
 
-// Returns the integral of across ln(q/h²)/(q - h²) along the part of an edge, q the squared distance and h the height. Nodes lie
-// closer together near the line's nearest point: those of Gauss in u, s = near sinh(u). Short parts take three of them.
-class HeightIntegral {
-public:
-  HeightIntegral(const Edge &edge, const Lanes &height2)
-      : edge_(edge), height2_(height2), near_(sqrt(max(edge.near2, height2))) {
-    const Lanes begin = exponential(edge.low), end = exponential(edge.high);
-    half_ = 0.5f * logarithm(end / begin);
-    middle_ = sqrt(begin * end);
+// Returns the height_integral of closed_forms.cpp over the part of an edge within the ball.
+Lanes height_integral(const Edge &edge, const Lanes &height2) {
+  constexpr float nodes[4] = {-0.861136312f, -0.339981044f, 0.339981044f, 0.861136312f};
+  constexpr float weights[4] = {0.347854845f, 0.652145155f, 0.652145155f, 0.347854845f};
+  const Lanes near2 = max(edge.near2, height2), near = sqrt(near2), per_height2 = 1.0f / height2;
+  const auto t_of = [&](const Lanes &s) { return s / (near + sqrt(near2 + s * s)); };
+  const Lanes begin = t_of(edge.low), end = t_of(edge.high), middle = 0.5f * (begin + end), half = 0.5f * (end - begin);
+  Lanes sum = 0.0f;
+  for (int i = 0; i < 4; ++i) {
+    const Lanes t = middle + half * nodes[i], t2 = t * t, v = 1.0f / (1.0f - t2), s = 2.0f * near * t * v;
+    const Lanes x = (edge.across * edge.across + s * s) * per_height2;
+    const Lanes ratio = mix(1.0f - 0.5f * x, logarithm(1.0f + x) / max(x, 1e-30f), x > 1e-3f);
+    sum += weights[i] * (1.0f + t2) * v * v * ratio;
   }
-
-  Lanes value() const {
-    constexpr float three = 0.77459667f, six[3] = {0.93246951f, 0.66120939f, 0.23861919f};
-    constexpr float weights[3] = {0.17132449f, 0.36076157f, 0.46791393f};
-    Lanes sum = 0.55555556f * pair(three) + 0.88888889f * at(middle_);
-    const Choices is_long = half_ > 0.75f;
-    if (any(is_long)) {
-      Lanes finer = 0.0f;
-      for (int i = 0; i < 3; ++i) finer += weights[i] * pair(six[i]);
-      sum = mix(sum, finer, is_long);
-    }
-    return edge_.across * near_ * half_ * sum;
-  }
-
-private:
-  // e^u. Of a number below 0 it is the inverse of that of its opposite, which is not rounded away.
-  Lanes exponential(const Lanes &s) const {
-    const Lanes up = (abs(s) + sqrt(s * s + near_ * near_)) / near_;
-    return mix(up, 1.0f / up, s < 0.0f);
-  }
-  // Returns the integrand times cosh(u).
-  Lanes at(const Lanes &e) const {
-    const Lanes back = 1.0f / e, s = 0.5f * near_ * (e - back), b = edge_.across * edge_.across + s * s, x = b / height2_;
-    const Lanes value = mix((1.0f - 0.5f * x) / height2_, logarithm(1.0f + x) / max(b, 1e-30f), x > 1e-3f);
-    return 0.5f * (e + back) * value;
-  }
-  Lanes pair(float node) const {
-    const Lanes step = exp(half_ * node);
-    return at(middle_ * step) + at(middle_ / step);
-  }
-
-  const Edge &edge_;
-  const Lanes height2_, near_;
-  Lanes half_, middle_;
-};
+  return 2.0f * edge.across * near * half * per_height2 * sum;
+}
 
 // ---- The surface as a solid
 
@@ -227,16 +198,18 @@ Lanes seen_cut(const Edge (&edges)[3], const Lanes &height) {
 
 // ---- What bends smoothly
 
-// Returns the integral of the kernel over triangles.
-Lanes kernel_over(const Edge (&edges)[3], const Along (&along)[3], const Lanes &height, const Choices &where) {
-  const Lanes height2 = max(height * height, 1e-12f);
-  const bool is_high = any(where && height2 > 1e-9f);
+// Returns the integral of the kernel over triangles. gradient: what it will be multiplied by, at most.
+Lanes kernel_over(const Edge (&edges)[3], const Along (&along)[3], const Lanes &height, const Lanes &gradient) {
+  constexpr float least_height2 = 1e-9f, least_effect = 1e-7f;
+  const Lanes height2 = max(height * height, least_height2);
+  const Choices is_high = height2 * gradient > least_effect;
+  const bool any_is_high = any(is_high);
   Lanes sum = 0.0f, arcs = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const Edge &edge = edges[k];
     arcs += edge.sector;
     sum += edge.across * (0.0625f * (along[k].squares + height2 * (edge.high - edge.low)) - 0.125f * along[k].logarithms);
-    if (is_high) sum = sum - 0.125f * height2 * only(height2 > 1e-9f, HeightIntegral(edge, height2).value());
+    if (any_is_high) sum += only(is_high, -0.125f * height2 * height_integral(edge, height2));
   }
   return sum + arcs * (0.0625f - height2 * (0.0625f * height2 - 0.125f * logarithm(height2)));
 }
@@ -292,8 +265,8 @@ private:
       if (any(is_near_)) {
         const Along sums[3] = {Along(edges[0]), Along(edges[1]), Along(edges[2])};
         for (int k = 0; k < 3; ++k) along[k] = mix(along[k], sums[k].kernel, is_near_);
-        const Choices turns = is_near_ && (abs(axis.w) + abs(bends.w) + abs(others.w)) > 0.0f;
-        if (any(turns)) over = mix(over, kernel_over(edges, sums, height_, turns), turns);
+        const Lanes gradient = only(is_near_, abs(axis.w) + abs(bends.w) + abs(others.w));
+        if (any(gradient > 0.0f)) over = mix(over, kernel_over(edges, sums, height_, gradient), is_near_);
       }
     }
     const Choices is_bent = counts_ && !is_small_;
