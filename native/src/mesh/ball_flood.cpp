@@ -1,15 +1,6 @@
 #include "mesh/ball_flood.h"
 
-#include <algorithm>
-
 namespace paradesc {
-
-double segment_distance(dvec3 a, dvec3 b) {
-  const dvec3 edge = b - a;
-  const double length2 = glm::dot(edge, edge);
-  const double t = length2 > 0 ? std::clamp(-glm::dot(a, edge) / length2, 0.0, 1.0) : 0;
-  return glm::length(a + t * edge);
-}
 
 BallFlood::BallFlood(const Triangles &triangles, const HalfEdges &half_edges)
     : triangles_(triangles), half_edges_(half_edges), mark_(static_cast<size_t>(triangles.triangle_count), 0) {}

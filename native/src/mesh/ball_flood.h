@@ -1,6 +1,8 @@
 // A place on the surface → the triangles that are connected to it within a ball.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +11,15 @@
 
 namespace paradesc {
 
-double segment_distance(dvec3 a, dvec3 b); // of the origin
+// The squared distance of the origin from a segment.
+inline double segment_distance2(dvec3 a, dvec3 b) {
+  const dvec3 edge = b - a;
+  const double length2 = glm::dot(edge, edge);
+  const double t = length2 > 0 ? std::clamp(-glm::dot(a, edge) / length2, 0.0, 1.0) : 0;
+  const dvec3 nearest = a + t * edge;
+  return glm::dot(nearest, nearest);
+}
+inline double segment_distance(dvec3 a, dvec3 b) { return std::sqrt(segment_distance2(a, b)); }
 
 // A flood that one thread reuses from place to place, so that its arrays stay allocated. The surface is borrowed.
 class BallFlood {

@@ -16,10 +16,11 @@ bool turns(const PlaneTensor &gradient, double radius) {
 
 FacePlane::FacePlane(const CreasedSurface &surface, int32_t triangle) : axes{}, gradient{} {
   const Triangles &triangles = surface.triangles;
-  const dvec3 edge = along(triangles, 3 * triangle);
-  twice_area = glm::length(glm::cross(edge, -along(triangles, 3 * triangle + 2)));
-  is_needle = steady_face(triangles, surface.half_edges, triangle) != triangle;
-  normal = steady_normal(triangles, surface.half_edges, triangle);
+  const dvec3 edge = along(triangles, 3 * triangle), product = glm::cross(edge, -along(triangles, 3 * triangle + 2));
+  const int steady = steady_face(triangles, surface.half_edges, triangle);
+  twice_area = glm::length(product);
+  is_needle = steady != triangle;
+  normal = !is_needle && twice_area > 0 ? product / twice_area : steady_normal(triangles, surface.half_edges, steady);
   const dvec3 first = edge - normal * glm::dot(normal, edge);
   if (!(twice_area > 0 && glm::dot(first, first) > 0)) return;
   axes.first = glm::normalize(first);
@@ -31,7 +32,8 @@ FacePlane::FacePlane(const CreasedSurface &surface, int32_t triangle) : axes{}, 
   gradient = found.in(axes);
 }
 
-double bend_of(const CreasedSurface &surface, int32_t half_edge) {
+// Returns the bend between the planes on both sides of an edge. In a facet, the facet's plane replaces the triangle's.
+static double bend_of(const CreasedSurface &surface, int32_t half_edge, dvec3 normal) {
   const Facets &facets = surface.facets;
   const int32_t twin = surface.half_edges.twin[half_edge];
   for (const int32_t edge : {half_edge, twin})
@@ -39,7 +41,8 @@ double bend_of(const CreasedSurface &surface, int32_t half_edge) {
       const int32_t side = facets.side_of[edge];
       return side >= 0 ? facets.side[side].bend : 0;
     }
-  return bend_at(surface.triangles, surface.half_edges, half_edge);
+  if (twin < 0) return 0;
+  return bend_between(normal, steady_normal(surface.triangles, surface.half_edges, twin / 3), along(surface.triangles, half_edge));
 }
 
 FaceRows::FaceRows(const CreasedSurface &surface, double radius)
@@ -74,7 +77,7 @@ FaceRow FaceRows::make(int32_t triangle) const {
   PlaneTensor excess{area * plane.gradient.xx, area * plane.gradient.xy, area * plane.gradient.yy};
   double longest = 0;
   for (int32_t k = 0; k < 3; ++k) {
-    const double bend = bend_of(surface_, 3 * triangle + k);
+    const double bend = bend_of(surface_, 3 * triangle + k, plane.normal);
     row.bend[k] = static_cast<float>(bend);
     const dvec3 way = along(surface_.triangles, 3 * triangle + k);
     const double length = glm::length(way), amount = 0.5 * bend * length;

@@ -43,9 +43,6 @@ struct FacePlane {
   FacePlane(const CreasedSurface &surface, int32_t triangle);
 };
 
-// The bend between the planes on both sides of an edge. In a facet, the facet's plane replaces the triangle's.
-double bend_of(const CreasedSurface &surface, int32_t half_edge);
-
 // The rows of a surface, each made when some thread first asks for it.
 class FaceRows {
 public:

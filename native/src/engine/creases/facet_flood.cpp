@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "mesh/ball_flood.h"
 #include "support/cancel.h"
 
 namespace paradesc {
@@ -145,8 +144,13 @@ bool FacetFlood::is_inside(dvec3 place) const {
   return glm::dot(from_center, from_center) < radius_ * radius_;
 }
 
+// Compares squares: divisions and roots would take longer than the rest.
 bool FacetFlood::meets(dvec3 begin, dvec3 end) const {
-  return is_inside(begin) || is_inside(end) || segment_distance(begin - center_, end - center_) < radius_;
+  const dvec3 a = begin - center_, b = end - center_, way = b - a;
+  const double square = radius_ * radius_, beyond = glm::dot(a, a) - square;
+  if (beyond < 0 || glm::dot(b, b) < square) return true;
+  const double along = -glm::dot(a, way), length2 = glm::dot(way, way);
+  return along > 0 && along < length2 && beyond * length2 < along * along;
 }
 
 bool FacetFlood::meets(int32_t half_edge) const {

@@ -77,8 +77,8 @@ void NearCreases::find(dvec3 position, int32_t triangle, std::vector<NearCrease>
   for (auto item = std::lower_bound(entries_.begin() + static_cast<ptrdiff_t>(grid.begin), end, cell << 32);
        item != end && *item >> 32 == cell; ++item) {
     const auto edge = static_cast<int32_t>(*item & 0xffffffff);
-    const double distance = segment_distance(from_here(edge), from_here(next_corner(edge)));
-    if (distance < reach) found.push_back({distance, edge});
+    const double square = segment_distance2(from_here(edge), from_here(next_corner(edge)));
+    if (square < reach * reach) found.push_back({std::sqrt(square), edge});
   }
 }
 
