@@ -42,7 +42,8 @@ static double bend_of(const CreasedSurface &surface, int32_t half_edge, dvec3 no
       return side >= 0 ? facets.side[side].bend : 0;
     }
   if (twin < 0) return 0;
-  return bend_between(normal, steady_normal(surface.triangles, surface.half_edges, twin / 3), along(surface.triangles, half_edge));
+  return bend_between(normal, steady_normal(surface.triangles, surface.half_edges, twin / 3),
+                      along(surface.triangles, half_edge));
 }
 
 FaceRows::FaceRows(const CreasedSurface &surface, double radius)
@@ -65,7 +66,7 @@ const FaceRow &FaceRows::of(int32_t triangle) const {
 FaceRow FaceRows::make(int32_t triangle) const {
   FaceRow row{};
   const FacePlane plane(surface_, triangle);
-  const auto put = [](float (&to)[3], dvec3 v) {
+  const auto put = [](float(&to)[3], dvec3 v) {
     for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
   };
   put(row.corner_0, dvec3(surface_.triangles.position(3 * triangle)));

@@ -35,8 +35,8 @@ bool turns(const PlaneTensor &gradient, double radius);
 
 // A triangle's plane and normals in full precision.
 struct FacePlane {
-  dvec3 normal;         // unit
-  PlaneAxes axes;       // the first along edge 0; zero if the triangle has no area
+  dvec3 normal;   // unit
+  PlaneAxes axes; // the first along edge 0; zero if the triangle has no area
   double twice_area;
   bool is_needle;       // has the normal of the face behind it
   PlaneTensor gradient; // of the normals in the plane

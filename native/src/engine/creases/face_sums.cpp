@@ -34,8 +34,8 @@ struct Seen {
   Place corner[3], way[3]; // edges, and their squared lengths
   Lanes length2[3];
   Place normal;
-  Lanes height;                   // of the plane; 0 if the center lies on it
-  Lanes nearest, farthest, size;  // squared: distances of corners, and the longest edge
+  Lanes height;                  // of the plane; 0 if the center lies on it
+  Lanes nearest, farthest, size; // squared: distances of corners, and the longest edge
   Lanes seen_area;
   Vector<3, Lanes> excess;
 
@@ -66,9 +66,7 @@ struct Turned {
 };
 
 // The kernel of H for surfaces that bend little, at a squared distance.
-Lanes kernel_at(const Lanes &square) {
-  return only(square < 1.0f, 0.25f * (square - 1.0f - logarithm(max(square, 1e-24f))));
-}
+Lanes kernel_at(const Lanes &square) { return only(square < 1.0f, 0.25f * (square - 1.0f - logarithm(max(square, 1e-24f)))); }
 
 Seen see(const FaceRow *const *rows, const Choices &is_own, const LaneCenter &center) {
   const auto a = gather<offsetof(FaceRow, corner_0)>(rows), b = gather<offsetof(FaceRow, corner_1)>(rows),
@@ -222,10 +220,9 @@ struct Sums {
 class Adding {
 public:
   Adding(const FaceRow *const *rows, const Choices &is_own, const Choices &counts, const LaneCenter &center)
-      : rows_(rows), seen_(see(rows, is_own, center)), turned_(seen_.normal, center), counts_(counts),
-        height_(abs(seen_.height)), is_in_ball_(height_ < 1.0f), is_within_(!(seen_.farthest > 1.0f)),
-        is_small_(seen_.is_small(0.2f)), is_middling_(!is_small_ && seen_.is_small(0.45f)),
-        is_near_(counts && !is_small_ && !is_middling_) {}
+      : rows_(rows), seen_(see(rows, is_own, center)), turned_(seen_.normal, center), counts_(counts), height_(abs(seen_.height)),
+        is_in_ball_(height_ < 1.0f), is_within_(!(seen_.farthest > 1.0f)), is_small_(seen_.is_small(0.2f)),
+        is_middling_(!is_small_ && seen_.is_small(0.45f)), is_near_(counts && !is_small_ && !is_middling_) {}
 
   void add(Sums &sums) {
     const Choices is_seen = counts_ && is_in_ball_ && height_ > 0.0f && seen_.seen_area > 0.0f;

@@ -10,13 +10,14 @@
 
 namespace paradesc {
 
-// What does not depend on the center. Each run of four floats is loaded as one. Lengths are in radii, except for the corners, which must stay exact.
+// What does not depend on the center. Each run of four floats is loaded as one. Lengths are in radii, except for the corners,
+// which must stay exact.
 struct alignas(64) FaceRow {
   float corner_0[3], seen_area; // twice the area; 0 for a needle, which is not seen
   float corner_1[3], excess_xx; // the gradient's integral over the area, less the bends of edges that are not creases
   float corner_2[3], excess_xy;
   float normal[3], excess_yy;
-  float axis[3], gradient_xx; // the first of the plane's axes, and the gradient if it turns normals
+  float axis[3], gradient_xx;        // the first of the plane's axes, and the gradient if it turns normals
   float smooth_bend[3], gradient_xy; // bends of edges that are not creases
   float bend[3], gradient_yy;        // at each half-edge, positive if convex; 0 at boundaries
   float twice_area, is_large, unused[2];

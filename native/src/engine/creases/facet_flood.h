@@ -61,7 +61,7 @@ private:
   const Facets &facets_;
   dvec3 center_{0};
   double radius_ = 0;
-  std::vector<int32_t> mark_;      // (triangles) the last place that reached it
+  std::vector<int32_t> mark_; // (triangles) the last place that reached it
   bool has_facets_;
   std::vector<Met> met_;           // (facets)
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts

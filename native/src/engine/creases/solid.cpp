@@ -139,7 +139,7 @@ void SolidMeasure::add_triangles(Sums &sums) {
   const auto count = static_cast<int32_t>(rows_.size());
   rows_.resize((rows_.size() + FACE_LANES - 1) / FACE_LANES * FACE_LANES, rows_[0]);
   const FaceSums found = shared_.target.add(rows_.data(), count, own, lane_center());
-  const auto add = [](Tensor &tensor, const float (&of)[3], double unit) {
+  const auto add = [](Tensor &tensor, const float(&of)[3], double unit) {
     tensor.xx += unit * static_cast<double>(of[0]);
     tensor.xy += unit * static_cast<double>(of[1]);
     tensor.yy += unit * static_cast<double>(of[2]);

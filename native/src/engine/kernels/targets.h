@@ -5,7 +5,8 @@
 
 #include "support/instructions.h"
 
-// Declares a constant object `name_target` of some type for each instruction set, as the files that are compiled for it define it.
+// Declares a constant object `name_target` of some type for each instruction set, as the files that are compiled for it define
+// it.
 #define PARADESC_DECLARE_TARGET(Type, name, target)                                                                              \
   inline namespace target {                                                                                                      \
   extern const Type name##_##target;                                                                                             \
@@ -17,8 +18,7 @@
   PARADESC_DECLARE_TARGET(Type, name, avx2)                                                                                      \
   PARADESC_DECLARE_TARGET(Type, name, avx512)                                                                                    \
   }
-#define PARADESC_ON_THIS_PROCESSOR(name)                                                                                         \
-  on_this_processor(kernels::name##_baseline, kernels::name##_avx2, kernels::name##_avx512)
+#define PARADESC_ON_THIS_PROCESSOR(name) on_this_processor(kernels::name##_baseline, kernels::name##_avx2, kernels::name##_avx512)
 #else
 #define PARADESC_DECLARE_TARGETS(Type, name)                                                                                     \
   namespace kernels {                                                                                                            \
