@@ -1,8 +1,9 @@
-// Memory for all rows is reserved, but the system provides only the part that is written: triangles near creases.
+// Rows are computed in double precision, and rounded once.
 #include "engine/creases/face_rows.h"
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <thread>
 
 #include "mesh/steady_faces.h"
@@ -12,6 +13,10 @@ namespace paradesc {
 bool turns(const PlaneTensor &gradient, double radius) {
   constexpr double least_turn = 1e-6;
   return std::max({std::abs(gradient.xx), std::abs(gradient.xy), std::abs(gradient.yy)}) * radius > least_turn;
+}
+
+bool is_smooth_bend(const CreasedSurface &surface, int32_t half_edge, float bend) {
+  return std::abs(bend) > static_cast<float>(LEAST_BEND) && !surface.creases.contains(half_edge);
 }
 
 FacePlane::FacePlane(const CreasedSurface &surface, int32_t triangle) : axes{}, gradient{} {
@@ -47,61 +52,55 @@ static double bend_of(const CreasedSurface &surface, int32_t half_edge, dvec3 no
 }
 
 FaceRows::FaceRows(const CreasedSurface &surface, double radius)
-    : surface_(surface), radius_(radius), rows_(new FaceRow[static_cast<size_t>(surface.triangles.triangle_count)]),
-      states_(new std::atomic<uint8_t>[static_cast<size_t>(surface.triangles.triangle_count)]()) {}
-
-const FaceRow &FaceRows::of(int32_t triangle) const {
-  std::atomic<uint8_t> &state = states_[static_cast<size_t>(triangle)];
-  FaceRow &row = rows_[static_cast<size_t>(triangle)];
-  if (state.load(std::memory_order_acquire) == present) return row;
-  uint8_t expected = absent;
-  if (state.compare_exchange_strong(expected, begun)) {
-    row = make(triangle);
-    state.store(present, std::memory_order_release);
-  }
-  while (state.load(std::memory_order_acquire) != present) std::this_thread::yield();
-  return row;
+    : surface_(surface), radius_(radius),
+      rows_(static_cast<FaceRow *>(std::calloc(static_cast<size_t>(surface.triangles.triangle_count) + 1, sizeof(FaceRow)))) {
+  if (!rows_) throw std::bad_alloc();
 }
 
-FaceRow FaceRows::make(int32_t triangle) const {
-  FaceRow row{};
+void FaceRows::provide(int32_t triangle, FaceRow &row) const {
+  int32_t expected = FACE_ABSENT;
+  if (__atomic_compare_exchange_n(&row.state, &expected, FACE_BEGUN, false, __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE))
+    __atomic_store_n(&row.state, fill(triangle, row), __ATOMIC_RELEASE);
+  while (__atomic_load_n(&row.state, __ATOMIC_ACQUIRE) < FACE_PRESENT) std::this_thread::yield();
+}
+
+FaceState FaceRows::fill(int32_t triangle, FaceRow &row) const {
   const FacePlane plane(surface_, triangle);
   const auto put = [](float(&to)[3], dvec3 v) {
     for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
   };
-  put(row.corner_0, dvec3(surface_.triangles.position(3 * triangle)));
-  put(row.corner_1, dvec3(surface_.triangles.position(3 * triangle + 1)));
-  put(row.corner_2, dvec3(surface_.triangles.position(3 * triangle + 2)));
+  double longest = 0;
+  for (int32_t k = 0; k < 3; ++k) {
+    const int32_t edge = 3 * triangle + k, twin = surface_.half_edges.twin[edge];
+    put(row.corner[k].place, dvec3(surface_.triangles.position(edge)));
+    row.twin[k] = twin < 0 ? NO_TWIN : surface_.facets.of_triangle[twin / 3] >= 0 ? ~twin : twin;
+    row.bend[k] = static_cast<float>(bend_of(surface_, edge, plane.normal));
+    longest = std::max(longest, glm::length(along(surface_.triangles, edge)));
+  }
+  if (longest > LARGE_FACE * radius_) return FACE_LARGE;
+  if (!(plane.twice_area > 0)) return FACE_PRESENT;
   put(row.normal, plane.normal);
   put(row.axis, plane.axes.first);
   const double area = 0.5 * plane.twice_area;
   PlaneTensor excess{area * plane.gradient.xx, area * plane.gradient.xy, area * plane.gradient.yy};
-  double longest = 0;
   for (int32_t k = 0; k < 3; ++k) {
-    const double bend = bend_of(surface_, 3 * triangle + k, plane.normal);
-    row.bend[k] = static_cast<float>(bend);
-    const dvec3 way = along(surface_.triangles, 3 * triangle + k);
-    const double length = glm::length(way), amount = 0.5 * bend * length;
-    longest = std::max(longest, length);
-    if (surface_.creases.contains(3 * triangle + k) || !(length > 0)) continue;
-    if (std::abs(bend) > LEAST_BEND) row.smooth_bend[k] = static_cast<float>(bend);
-    const dvec2 in_plane = plane.axes.of(way), across = dvec2(-in_plane.y, in_plane.x) / length;
-    excess.xx -= amount * across.x * across.x;
-    excess.xy -= amount * across.x * across.y;
-    excess.yy -= amount * across.y * across.y;
+    if (!is_smooth_bend(surface_, 3 * triangle + k, row.bend[k])) continue;
+    row.smooth_bend[k] = row.bend[k];
+    const dvec2 way = plane.axes.of(along(surface_.triangles, 3 * triangle + k));
+    const double length = glm::length(way), share = length > 0 ? 0.5 * static_cast<double>(row.bend[k]) / length : 0;
+    excess.xx -= share * way.y * way.y;
+    excess.xy += share * way.x * way.y;
+    excess.yy -= share * way.x * way.x;
   }
-  const double square = radius_ * radius_;
-  row.twice_area = static_cast<float>(plane.twice_area / square);
-  row.seen_area = plane.is_needle ? 0.0f : row.twice_area;
-  row.is_large = longest > LARGE_FACE * radius_ ? 1.0f : 0.0f;
-  row.excess_xx = static_cast<float>(excess.xx / radius_);
-  row.excess_xy = static_cast<float>(excess.xy / radius_);
+  row.corner[0].other = plane.is_needle ? 0.0f : static_cast<float>(plane.twice_area / (radius_ * radius_));
+  row.corner[1].other = static_cast<float>(excess.xx / radius_);
+  row.corner[2].other = static_cast<float>(excess.xy / radius_);
   row.excess_yy = static_cast<float>(excess.yy / radius_);
-  if (!turns(plane.gradient, radius_)) return row;
+  if (!turns(plane.gradient, radius_)) return FACE_PRESENT;
   row.gradient_xx = static_cast<float>(plane.gradient.xx * radius_);
   row.gradient_xy = static_cast<float>(plane.gradient.xy * radius_);
   row.gradient_yy = static_cast<float>(plane.gradient.yy * radius_);
-  return row;
+  return FACE_PRESENT;
 }
 
 } // namespace paradesc

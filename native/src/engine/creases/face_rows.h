@@ -1,8 +1,9 @@
 // Triangles → rows of what does not depend on the center, which lanes load.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
+#include <cstdlib>
+#include <limits>
 #include <memory>
 
 #include "engine/creases/face_sums.h"
@@ -33,6 +34,9 @@ inline constexpr double LARGE_FACE = 8;
 // radius.
 bool turns(const PlaneTensor &gradient, double radius);
 
+// Returns whether the bend at an edge is more than rounding, and the edge no crease.
+bool is_smooth_bend(const CreasedSurface &surface, int32_t half_edge, float bend);
+
 // A triangle's plane and normals in full precision.
 struct FacePlane {
   dvec3 normal;   // unit
@@ -43,20 +47,32 @@ struct FacePlane {
   FacePlane(const CreasedSurface &surface, int32_t triangle);
 };
 
-// The rows of a surface, each made when some thread first asks for it.
+inline constexpr int32_t NO_TWIN = std::numeric_limits<int32_t>::min();
+enum FaceState : int32_t { FACE_ABSENT, FACE_BEGUN, FACE_PRESENT, FACE_LARGE };
+
+// The rows of a surface, each made when some thread first asks for it. Memory for all is reserved, but the system provides only
+// the part that is used.
 class FaceRows {
 public:
   FaceRows(const CreasedSurface &surface, double radius);
-  const FaceRow &of(int32_t triangle) const;
+  const FaceRow &of(int32_t triangle) const {
+    FaceRow &row = rows_.get()[triangle];
+    if (__atomic_load_n(&row.state, __ATOMIC_ACQUIRE) < FACE_PRESENT) [[unlikely]]
+      provide(triangle, row);
+    return row;
+  }
+  void prefetch(int32_t triangle) const { __builtin_prefetch(rows_.get() + triangle); }
 
 private:
-  FaceRow make(int32_t triangle) const;
+  void provide(int32_t triangle, FaceRow &row) const;
+  FaceState fill(int32_t triangle, FaceRow &row) const;
 
-  enum State : uint8_t { absent, begun, present };
+  struct Free {
+    void operator()(FaceRow *rows) const { std::free(rows); }
+  };
   CreasedSurface surface_;
   double radius_;
-  std::unique_ptr<FaceRow[]> rows_; // (triangles)
-  std::unique_ptr<std::atomic<uint8_t>[]> states_;
+  std::unique_ptr<FaceRow[], Free> rows_; // (triangles)
 };
 
 } // namespace paradesc

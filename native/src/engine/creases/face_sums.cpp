@@ -69,8 +69,8 @@ struct Turned {
 Lanes kernel_at(const Lanes &square) { return only(square < 1.0f, 0.25f * (square - 1.0f - logarithm(max(square, 1e-24f)))); }
 
 Seen see(const FaceRow *const *rows, const Choices &is_own, const LaneCenter &center) {
-  const auto a = gather<offsetof(FaceRow, corner_0)>(rows), b = gather<offsetof(FaceRow, corner_1)>(rows),
-             c = gather<offsetof(FaceRow, corner_2)>(rows), n = gather<offsetof(FaceRow, normal)>(rows);
+  const auto a = gather<offsetof(FaceRow, corner)>(rows), b = gather<offsetof(FaceRow, corner) + 16>(rows),
+             c = gather<offsetof(FaceRow, corner) + 32>(rows), n = gather<offsetof(FaceRow, normal)>(rows);
   Seen seen;
   const Place raw[3] = {first3(a), first3(b), first3(c)}, place = all(center.place), rest = all(center.rest);
   for (int k = 0; k < 3; ++k) {

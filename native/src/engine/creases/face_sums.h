@@ -10,17 +10,18 @@
 
 namespace paradesc {
 
-// What does not depend on the center. Each run of four floats is loaded as one. Lengths are in radii, except for the corners,
-// which must stay exact.
+// What does not depend on the center. Rows of triangles without area, and of large ones, add nothing. Each run of four floats is
+// loaded as one. Lengths are in radii, except for the corners, which must stay exact.
 struct alignas(64) FaceRow {
-  float corner_0[3], seen_area; // twice the area; 0 for a needle, which is not seen
-  float corner_1[3], excess_xx; // the gradient's integral over the area, less the bends of edges that are not creases
-  float corner_2[3], excess_xy;
-  float normal[3], excess_yy;
+  struct {
+    float place[3], other; // other: twice the area, 0 for a needle, which is not seen; xx and xy of the excess
+  } corner[3];
+  float normal[3], excess_yy;        // the gradient's integral over the area, less the bends of edges that are not creases
   float axis[3], gradient_xx;        // the first of the plane's axes, and the gradient if it turns normals
   float smooth_bend[3], gradient_xy; // bends of edges that are not creases
   float bend[3], gradient_yy;        // at each half-edge, positive if convex; 0 at boundaries
-  float twice_area, is_large, unused[2];
+  int32_t twin[3];                   // of the half-edges: ~twin if that lies in a facet, NO_TWIN at boundaries
+  int32_t state;
 };
 
 // A center for lanes. Its place is the sum of two floats, so that differences from corners are rounded only once.

@@ -1,15 +1,17 @@
 // Floods across sides and edges that meet the ball. A facet of which the ball may cut several parts is visited by its triangles.
 #include "engine/creases/facet_flood.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "support/cancel.h"
 
 namespace paradesc {
 
-FacetFlood::FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets)
-    : triangles_(triangles), half_edges_(half_edges), facets_(facets), mark_(static_cast<size_t>(triangles.triangle_count), 0),
-      has_facets_(!facets.facet.empty()), met_(facets.facet.size()), side_mark_(facets.side.size(), 0) {}
+FacetFlood::FacetFlood(const CreasedSurface &surface, const FaceRows &rows)
+    : triangles_(surface.triangles), half_edges_(surface.half_edges), facets_(surface.facets), all_rows_(rows),
+      mark_(static_cast<size_t>(surface.triangles.triangle_count), 0), met_(facets_.facet.size()),
+      side_mark_(facets_.side.size(), 0) {}
 
 void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radius) {
   center_ = center;
@@ -19,6 +21,7 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
   sides_.clear();
   parts_.clear();
   own_facets_.clear();
+  large_.clear();
   if (point < 0) start(triangle);
   const int32_t first = point < 0 ? -1 : half_edges_.point_half_edge[point];
   for (int32_t corner = first; corner >= 0;) {
@@ -27,15 +30,14 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
     if (corner == first) break;
   }
   own_triangles_ = reached_;
-  for (size_t own = 0; own < own_triangles_; ++own) cross(entered_[own], (inside_[own] & 1) != 0, (inside_[own] & 2) != 0);
   for (size_t triangles = 0, sides = 0; triangles < reached_ || sides < sides_.size();) {
     checkpoint_at(triangles + sides, 4096);
-    if (sides < sides_.size()) {
+    if (sides < sides_.size())
       cross(facets_.side[sides_[sides++]]);
-      continue;
-    }
-    go_on(triangles++);
+    else
+      go_on(triangles++);
   }
+  if (reached_ > 0) std::fill_n(rows_.begin() + static_cast<ptrdiff_t>(reached_), FACE_LANES, rows_[0]);
 }
 
 bool FacetFlood::has_reached(int32_t half_edge) const {
@@ -105,38 +107,54 @@ void FacetFlood::reach_part(int32_t triangle) {
   parts_.push_back({facet, first, static_cast<int32_t>(sides_.size())});
 }
 
-// Crosses the two edges of a triangle that the flood did not come across.
-void FacetFlood::go_on(size_t reached) {
-  const int32_t entered = entered_[reached], apex = previous_corner(entered);
-  const bool begin_inside = (inside_[reached] & 1) != 0, end_inside = (inside_[reached] & 2) != 0, apex_inside = is_inside(apex);
-  cross(next_corner(entered), end_inside, apex_inside);
-  cross(apex, apex_inside, begin_inside);
+// Crosses the edges of a triangle. Without a start there, the flood has come across one of them.
+inline void FacetFlood::go_on(size_t reached) {
+  const int32_t entered = entered_[reached], k = entered % 3, next = k == 2 ? 0 : k + 1, apex = k == 0 ? 2 : k - 1;
+  const FaceRow &row = all_rows_.of(entered / 3);
+  rows_[reached] = &row;
+  if (row.state == FACE_LARGE) [[unlikely]]
+    large_.push_back(entered / 3);
+  const float(&place)[3] = row.corner[apex].place;
+  const bool begin_inside = (inside_[reached] & 1) != 0, end_inside = (inside_[reached] & 2) != 0,
+             apex_inside = is_inside({place[0], place[1], place[2]});
+  if (reached < own_triangles_) [[unlikely]]
+    cross(row, k, begin_inside, end_inside);
+  cross(row, next, end_inside, apex_inside);
+  cross(row, apex, apex_inside, begin_inside);
 }
 
 // Most triangles take the last line. Whether they are new is unpredictable, so it does not branch.
-inline void FacetFlood::cross(int32_t half_edge, bool begin_inside, bool end_inside) {
-  const int32_t twin = half_edges_.twin[half_edge], triangle = twin / 3;
-  if (twin < 0) return;
-  if (!(begin_inside | end_inside) && (mark_[triangle] == places_ || !meets(half_edge))) return;
-  if (has_facets_ && facets_.of_triangle[triangle] >= 0) return reach(twin, end_inside, begin_inside);
-  append(twin, end_inside, begin_inside, mark_[triangle] != places_);
+[[gnu::always_inline]] inline void FacetFlood::cross(const FaceRow &row, int32_t k, bool begin_inside, bool end_inside) {
+  const int32_t twin = row.twin[k];
+  if (!(begin_inside | end_inside)) [[unlikely]] {
+    const auto place = [&](int32_t i) { return dvec3(row.corner[i].place[0], row.corner[i].place[1], row.corner[i].place[2]); };
+    if (twin == NO_TWIN || !meets(place(k), place(k == 2 ? 0 : k + 1))) return;
+  }
+  if (twin < 0) {
+    if (twin != NO_TWIN) reach(~twin, end_inside, begin_inside);
+    return;
+  }
+  append(twin, end_inside, begin_inside, mark_[twin / 3] != places_);
 }
 
-inline void FacetFlood::append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new) {
+[[gnu::always_inline]] inline void FacetFlood::append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new) {
   if (reached_ == entered_.size()) [[unlikely]] {
     entered_.resize(2 * reached_ + 64);
-    inside_.resize(2 * reached_ + 64);
+    inside_.resize(entered_.size());
+    rows_.resize(entered_.size() + FACE_LANES);
   }
   entered_[reached_] = half_edge;
   inside_[reached_] = static_cast<uint8_t>(begin_inside | end_inside << 1);
   mark_[half_edge / 3] = places_;
+  all_rows_.prefetch(half_edge / 3);
   reached_ += is_new;
 }
 
 void FacetFlood::cross(const FacetSide &side) {
   const std::span<const int32_t> edges = facets_.half_edges(side);
   if (half_edges_.twin[edges.front()] < 0 || (side.neighbor >= 0 && is_one(side.neighbor))) return;
-  for (const int32_t edge : edges) cross(edge, is_inside(edge), is_inside(next_corner(edge)));
+  for (const int32_t edge : edges)
+    if (meets(edge)) reach(half_edges_.twin[edge], is_inside(next_corner(edge)), is_inside(edge));
 }
 
 bool FacetFlood::is_inside(dvec3 place) const {

@@ -5,9 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "mesh/facets.h"
-#include "mesh/halfedge.h"
-#include "mesh/triangles.h"
+#include "engine/creases/face_rows.h"
 
 namespace paradesc {
 
@@ -20,13 +18,15 @@ struct FacetPart {
 // Reused by one thread from place to place, so that arrays stay allocated; the surface is borrowed.
 class FacetFlood {
 public:
-  FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets);
+  FacetFlood(const CreasedSurface &surface, const FaceRows &rows);
 
   // Floods from all triangles around a point of the mesh, or from within a triangle (point: -1).
   void run(dvec3 center, int32_t point, int32_t triangle, double radius);
-  // Triangles outside of facets, each by the half-edge that the flood came across.
-  std::span<const int32_t> half_edges() const { return std::span(entered_).first(reached_); }
-  size_t own_triangles() const { return own_triangles_; } // those around the center, which come first
+  // Triangles outside of facets. Behind them, the first row is repeated as often as there are lanes.
+  const FaceRow *const *rows() const { return rows_.data(); }
+  int32_t triangles() const { return static_cast<int32_t>(reached_); }
+  int32_t own_triangles() const { return static_cast<int32_t>(own_triangles_); } // those around the center, which come first
+  std::span<const int32_t> large() const { return large_; }                      // those of them that are FACE_LARGE
   // Returns whether the flood reached the face of a half-edge that meets the ball.
   bool has_reached(int32_t half_edge) const;
   std::span<const FacetPart> parts() const { return parts_; }
@@ -47,9 +47,9 @@ private:
   void reach(int32_t half_edge, bool begin_inside, bool end_inside);
   void append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new);
   void go_on(size_t reached);
+  void cross(const FaceRow &row, int32_t k, bool begin_inside, bool end_inside);
   bool is_one(int32_t facet);
   void reach_part(int32_t triangle);
-  void cross(int32_t half_edge, bool begin_inside, bool end_inside);
   void cross(const FacetSide &side);
   bool is_inside(dvec3 place) const;
   bool is_inside(int32_t corner) const { return is_inside(dvec3(triangles_.position(corner))); }
@@ -59,17 +59,18 @@ private:
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
   const Facets &facets_;
+  const FaceRows &all_rows_;
   dvec3 center_{0};
   double radius_ = 0;
-  std::vector<int32_t> mark_; // (triangles) the last place that reached it
-  bool has_facets_;
+  std::vector<int32_t> mark_;      // (triangles) the last place that reached it
   std::vector<Met> met_;           // (facets)
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
   size_t reached_ = 0, own_triangles_ = 0;
   std::vector<int32_t> entered_; // half-edges of reached triangles
   std::vector<uint8_t> inside_;  // whether begin (1) and end (2) of these lie in the ball
-  std::vector<int32_t> sides_, own_facets_;
+  std::vector<const FaceRow *> rows_;
+  std::vector<int32_t> large_, sides_, own_facets_;
   std::vector<FacetPart> parts_;
   std::vector<int32_t> waiting_; // triangles of a part
 };

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "kernel/limits.h"
 #include "mesh/ball_flood.h"
@@ -38,8 +37,7 @@ void SolidMeasure::Tensor::add(double amount, dvec2 v) {
 // ---- The tensor
 
 SolidMeasure::SolidMeasure(const SolidSurface &shared)
-    : shared_(shared), surface_(shared.parts), radius_(shared.radius),
-      flood_(surface_.triangles, surface_.half_edges, surface_.facets) {}
+    : shared_(shared), surface_(shared.parts), radius_(shared.radius), flood_(surface_, shared.rows) {}
 
 bool SolidMeasure::is_near_crease(dvec3 position, int32_t triangle) {
   shared_.near.find(position, triangle, near_);
@@ -66,26 +64,26 @@ void SolidMeasure::flood(double radius) { flood_.run(center_.position, center_.p
 
 // Returns the tensor's weight. If that is not 0, the flood of the ball is done.
 double SolidMeasure::weight() {
-  std::ranges::sort(near_, {}, [](const NearCrease &crease) { return std::pair(crease.distance, crease.half_edge); });
   if (near_.empty()) return 0;
-  double result = 0;
-  if (near_.front().distance < radius_) {
+  if (std::ranges::min(near_, {}, &NearCrease::distance).distance < radius_) {
     flood(radius_);
     if (nearest_reached() < radius_) return 1;
   }
   flood(CREASE_REACH * radius_);
-  result = smooth_step((CREASE_REACH - nearest_reached() / radius_) / (CREASE_REACH - 1));
+  const double result = smooth_step((CREASE_REACH - nearest_reached() / radius_) / (CREASE_REACH - 1));
   if (result > 0) flood(radius_);
   return result;
 }
 
 // Returns the distance of the nearest crease that the flood has reached.
 double SolidMeasure::nearest_reached() const {
+  double nearest = std::numeric_limits<double>::max();
   for (const NearCrease &crease : near_) {
+    if (!(crease.distance < nearest)) continue;
     const int32_t twin = surface_.half_edges.twin[crease.half_edge];
-    if (flood_.has_reached(crease.half_edge) || (twin >= 0 && flood_.has_reached(twin))) return crease.distance;
+    if (flood_.has_reached(crease.half_edge) || (twin >= 0 && flood_.has_reached(twin))) nearest = crease.distance;
   }
-  return std::numeric_limits<double>::max();
+  return nearest;
 }
 
 // Adds the bends of the edges that start from the point.
@@ -119,26 +117,7 @@ LaneCenter SolidMeasure::lane_center() const {
 }
 
 void SolidMeasure::add_triangles(Sums &sums) {
-  constexpr size_t of_a_millisecond = 4096;
-  rows_.clear();
-  int32_t own = 0;
-  const std::span<const int32_t> reached = flood_.half_edges();
-  for (size_t i = 0; i < reached.size(); ++i) {
-    checkpoint_at(i, of_a_millisecond);
-    const int32_t triangle = reached[i] / 3;
-    const FaceRow &row = shared_.rows.of(triangle);
-    if (!(row.twice_area > 0.0f)) continue;
-    if (row.is_large > 0.0f) {
-      add_large_triangle(sums, triangle, i < flood_.own_triangles());
-      continue;
-    }
-    rows_.push_back(&row);
-    own += i < flood_.own_triangles();
-  }
-  if (rows_.empty()) return;
-  const auto count = static_cast<int32_t>(rows_.size());
-  rows_.resize((rows_.size() + FACE_LANES - 1) / FACE_LANES * FACE_LANES, rows_[0]);
-  const FaceSums found = shared_.target.add(rows_.data(), count, own, lane_center());
+  const FaceSums found = shared_.target.add(flood_.rows(), flood_.triangles(), flood_.own_triangles(), lane_center());
   const auto add = [](Tensor &tensor, const float(&of)[3], double unit) {
     tensor.xx += unit * static_cast<double>(of[0]);
     tensor.xy += unit * static_cast<double>(of[1]);
@@ -146,22 +125,26 @@ void SolidMeasure::add_triangles(Sums &sums) {
   };
   add(sums.hard, found.hard, 1);
   add(sums.smooth, found.smooth, radius_ * radius_ * radius_);
+  for (const int32_t triangle : flood_.large()) add_large_triangle(sums, triangle);
 }
 
 // Adds the solid angle of a triangle, and the turning of its own normals, and removes the bends at its edges that are not
 // creases.
-void SolidMeasure::add_large_triangle(Sums &sums, int32_t triangle, bool is_own) {
+void SolidMeasure::add_large_triangle(Sums &sums, int32_t triangle) {
   const FacePlane plane(surface_, triangle);
   const FaceRow &row = shared_.rows.of(triangle);
   std::array<dvec3, 3> corners;
+  if (!(plane.twice_area > 0)) return;
   double nearest = std::numeric_limits<double>::max();
+  bool is_own = center_.point < 0 && triangle == center_.triangle;
   for (int32_t k = 0; k < 3; ++k) corners[k] = dvec3(surface_.triangles.position(3 * triangle + k)) - center_.position;
   for (size_t k = 0; k < 3; ++k) {
     const dvec3 begin = corners[k], end = corners[(k + 1) % 3];
     nearest = std::min(nearest, segment_distance(begin, end));
-    if (row.smooth_bend[k] != 0.0f)
-      add_bend(sums.smooth, plane.normal, end - begin,
-               static_cast<double>(row.smooth_bend[k]) * kernel_on_segment(begin, end, radius_));
+    const int32_t edge = 3 * triangle + static_cast<int32_t>(k);
+    is_own = is_own || (center_.point >= 0 && surface_.half_edges.corner_point[edge] == center_.point);
+    if (is_smooth_bend(surface_, edge, row.bend[k]))
+      add_bend(sums.smooth, plane.normal, end - begin, static_cast<double>(row.bend[k]) * kernel_on_segment(begin, end, radius_));
   }
   double height = is_own ? 0 : glm::dot(plane.normal, corners[0]);
   if (std::abs(height) < rounding_ && nearest < rounding_) height = 0;

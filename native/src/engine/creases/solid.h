@@ -64,7 +64,7 @@ private:
   double nearest_reached() const;
   void add_own_edges(Tensor &tensor) const;
   void add_triangles(Sums &sums);
-  void add_large_triangle(Sums &sums, int32_t triangle, bool is_own);
+  void add_large_triangle(Sums &sums, int32_t triangle);
   LaneCenter lane_center() const;
   // The functions for facets are in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
@@ -83,9 +83,8 @@ private:
   SolidCenter center_{};
   double rounding_ = 0; // of the center's coordinates
   FacetFlood flood_;
-  std::vector<NearCrease> near_;      // those of the center
-  std::vector<const FaceRow *> rows_; // those in the ball
-  CutRegion region_;                  // of the last cut
+  std::vector<NearCrease> near_; // those of the center
+  CutRegion region_;             // of the last cut
 };
 
 } // namespace paradesc
