@@ -19,8 +19,8 @@ int64_t rows_of(std::span<const int> descriptors) {
 }
 
 int64_t bytes_of_results(const ComputationSize &size) {
-  constexpr int64_t of_thread = 8; // per triangle and thread: SolidMeasure, FacetFlood
-  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + size.threads * of_thread;
+  constexpr int64_t of_row = 128, of_thread = 4; // per triangle: FaceRow; and thread: FacetFlood's marks
+  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + of_row + size.threads * of_thread;
   // The map that operators read is computed at the points of all pieces.
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;

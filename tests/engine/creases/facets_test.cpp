@@ -111,6 +111,12 @@ TEST(Facets, stand_for_their_triangles) {
   cylinder.expect_alike(0.3, 3e-5); // single triangles count where they are small at a few points of theirs
 }
 
+// Triangles that reach far out of the ball count in double precision, others in lanes of floats.
+TEST(Facets, stand_for_large_triangles) {
+  const Subject subject(uneven_box(3));
+  for (const double r : {0.01, 0.05, 0.1, 0.13}) subject.expect_alike(r, 2e-5);
+}
+
 // A box whose top is pushed down where it is near its middle.
 Subject pushed_in(vec2 half, float bottom) {
   Triangles list = box(10);
