@@ -109,13 +109,14 @@ void FacetFlood::reach_part(int32_t triangle) {
 
 // Crosses the edges of a triangle. Without a start there, the flood has come across one of them.
 inline void FacetFlood::go_on(size_t reached) {
-  const int32_t entered = entered_[reached], k = entered % 3, next = k == 2 ? 0 : k + 1, apex = k == 0 ? 2 : k - 1;
-  const FaceRow &row = all_rows_.of(entered / 3);
+  const auto [half_edge, inside] = entered_[reached];
+  const int32_t triangle = half_edge / 3, k = half_edge % 3, next = k == 2 ? 0 : k + 1, apex = k == 0 ? 2 : k - 1;
+  const FaceRow &row = all_rows_.of(triangle);
   rows_[reached] = &row;
   if (row.state == FACE_LARGE) [[unlikely]]
-    large_.push_back(entered / 3);
+    large_.push_back(triangle);
   const float(&place)[3] = row.corner[apex].place;
-  const bool begin_inside = (inside_[reached] & 1) != 0, end_inside = (inside_[reached] & 2) != 0,
+  const bool begin_inside = (inside & 1) != 0, end_inside = (inside & 2) != 0,
              apex_inside = is_inside({place[0], place[1], place[2]});
   if (reached < own_triangles_) [[unlikely]]
     cross(row, k, begin_inside, end_inside);
@@ -140,11 +141,9 @@ inline void FacetFlood::go_on(size_t reached) {
 [[gnu::always_inline]] inline void FacetFlood::append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new) {
   if (reached_ == entered_.size()) [[unlikely]] {
     entered_.resize(2 * reached_ + 64);
-    inside_.resize(entered_.size());
     rows_.resize(entered_.size() + FACE_LANES);
   }
-  entered_[reached_] = half_edge;
-  inside_[reached_] = static_cast<uint8_t>(begin_inside | end_inside << 1);
+  entered_[reached_] = {half_edge, begin_inside | end_inside << 1};
   mark_[half_edge / 3] = places_;
   all_rows_.prefetch(half_edge / 3);
   reached_ += is_new;

@@ -37,6 +37,10 @@ public:
   std::span<const int32_t> own_facets() const { return own_facets_; }
 
 private:
+  // The half-edge by which the flood reached a triangle, and whether begin (1) and end (2) of it lie in the ball.
+  struct Entered {
+    int32_t half_edge, inside;
+  };
   enum class Cut : uint8_t { one, several };
   struct Met {
     int32_t place = 0; // the last place that met it
@@ -67,8 +71,7 @@ private:
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
   size_t reached_ = 0, own_triangles_ = 0;
-  std::vector<int32_t> entered_; // half-edges of reached triangles
-  std::vector<uint8_t> inside_;  // whether begin (1) and end (2) of these lie in the ball
+  std::vector<Entered> entered_; // of reached triangles
   std::vector<const FaceRow *> rows_;
   std::vector<int32_t> large_, sides_, own_facets_;
   std::vector<FacetPart> parts_;
