@@ -119,6 +119,9 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
                         const Part &whole) const {
   EvaluateParams params{};
   params.radius = static_cast<float>(radius_);
+  std::vector<size_t> changed;
+  for (size_t k = 0; k < rows.size(); ++k)
+    if (is_of_solid(rows[k])) changed.push_back(k);
   const auto blend_one = [&](size_t i, SolidMeasure &measure) {
     const SolidPlace place = find_place(i);
     if (!measure.is_near_crease(place.position, place.triangle)) return;
@@ -130,8 +133,7 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
         {place.position, exact(sums.center.normal), exact(sums.center.t1), exact(sums.center.t2), place.triangle, place.point});
     if (!(tensor.weight > 0)) return;
     const Solid solid = solid_of(kernel, sums, tensor);
-    for (size_t k = 0; k < rows.size(); ++k) {
-      if (!is_of_solid(rows[k])) continue;
+    for (const size_t k : changed) {
       const auto components = static_cast<size_t>(descriptor_row(rows[k]).components);
       mix(&results.values[k][i * components], rows_of_solid[rows[k]](solid), components, static_cast<float>(tensor.weight));
     }

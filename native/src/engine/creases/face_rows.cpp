@@ -51,10 +51,13 @@ static double bend_of(const CreasedSurface &surface, int32_t half_edge, dvec3 no
                       along(surface.triangles, half_edge));
 }
 
-FaceRows::FaceRows(const CreasedSurface &surface, double radius)
-    : surface_(surface), radius_(radius),
-      rows_(static_cast<FaceRow *>(std::calloc(static_cast<size_t>(surface.triangles.triangle_count) + 1, sizeof(FaceRow)))) {
-  if (!rows_) throw std::bad_alloc();
+FaceRows::FaceRows(const CreasedSurface &surface, double radius) : surface_(surface), radius_(radius) {
+  const size_t bytes = static_cast<size_t>(surface.triangles.triangle_count) * sizeof(FaceRow);
+  size_t room = bytes + alignof(FaceRow);
+  memory_.reset(std::calloc(room, 1));
+  void *place = memory_.get();
+  if (!place) throw std::bad_alloc();
+  rows_ = static_cast<FaceRow *>(std::align(alignof(FaceRow), bytes, place, room));
 }
 
 void FaceRows::provide(int32_t triangle, FaceRow &row) const {

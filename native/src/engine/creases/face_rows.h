@@ -56,23 +56,24 @@ class FaceRows {
 public:
   FaceRows(const CreasedSurface &surface, double radius);
   const FaceRow &of(int32_t triangle) const {
-    FaceRow &row = rows_.get()[triangle];
+    FaceRow &row = rows_[triangle];
     if (__atomic_load_n(&row.state, __ATOMIC_ACQUIRE) < FACE_PRESENT) [[unlikely]]
       provide(triangle, row);
     return row;
   }
-  void prefetch(int32_t triangle) const { __builtin_prefetch(rows_.get() + triangle); }
+  void prefetch(int32_t triangle) const { __builtin_prefetch(rows_ + triangle); }
 
 private:
   void provide(int32_t triangle, FaceRow &row) const;
   FaceState fill(int32_t triangle, FaceRow &row) const;
 
   struct Free {
-    void operator()(FaceRow *rows) const { std::free(rows); }
+    void operator()(void *memory) const { std::free(memory); }
   };
   CreasedSurface surface_;
   double radius_;
-  std::unique_ptr<FaceRow[], Free> rows_; // (triangles)
+  std::unique_ptr<void, Free> memory_;
+  FaceRow *rows_; // (triangles)
 };
 
 } // namespace paradesc

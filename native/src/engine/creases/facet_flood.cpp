@@ -10,13 +10,15 @@ namespace paradesc {
 
 FacetFlood::FacetFlood(const CreasedSurface &surface, const FaceRows &rows)
     : triangles_(surface.triangles), half_edges_(surface.half_edges), facets_(surface.facets), all_rows_(rows),
-      mark_(static_cast<size_t>(surface.triangles.triangle_count), 0), met_(facets_.facet.size()),
+      mark_(static_cast<size_t>(surface.triangles.triangle_count), Mark{0}), met_(facets_.facet.size()),
       side_mark_(facets_.side.size(), 0) {}
 
 void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radius) {
   center_ = center;
   radius_ = radius;
   ++places_;
+  own_mark_ = static_cast<Mark>(1 + places_ % 255);
+  if (own_mark_ == Mark{1}) std::ranges::fill(mark_, Mark{0});
   reached_ = 0;
   sides_.clear();
   parts_.clear();
@@ -42,7 +44,7 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
 
 bool FacetFlood::has_reached(int32_t half_edge) const {
   const int32_t triangle = half_edge / 3, facet = facets_.of_triangle[triangle];
-  return mark_[triangle] == places_ || (facet >= 0 && met_[facet].place == places_ && met_[facet].cut == Cut::one);
+  return mark_[triangle] == own_mark_ || (facet >= 0 && met_[facet].place == places_ && met_[facet].cut == Cut::one);
 }
 
 void FacetFlood::start(int32_t triangle) {
@@ -53,7 +55,7 @@ void FacetFlood::start(int32_t triangle) {
 // Reaches the triangle of a half-edge if it is new.
 void FacetFlood::reach(int32_t half_edge, bool begin_inside, bool end_inside) {
   const int32_t triangle = half_edge / 3, facet = facets_.of_triangle[triangle];
-  if (mark_[triangle] == places_) return;
+  if (mark_[triangle] == own_mark_) return;
   if (facet < 0)
     append(half_edge, begin_inside, end_inside, true);
   else if (!is_one(facet))
@@ -87,20 +89,20 @@ bool FacetFlood::is_one(int32_t index) {
 void FacetFlood::reach_part(int32_t triangle) {
   const int32_t facet = facets_.of_triangle[triangle];
   const auto first = static_cast<int32_t>(sides_.size());
-  mark_[triangle] = places_;
+  mark_[triangle] = own_mark_;
   waiting_.assign(1, triangle);
   while (!waiting_.empty()) {
     const int32_t begin = 3 * waiting_.back();
     waiting_.pop_back();
     for (int32_t edge = begin; edge < begin + 3; ++edge) {
       const int32_t side = facets_.side_of[edge], behind = half_edges_.twin[edge] / 3;
-      if (side < 0 && mark_[behind] == places_) continue;
+      if (side < 0 && mark_[behind] == own_mark_) continue;
       if (!meets(edge)) continue;
       if (side >= 0) {
         if (std::exchange(side_mark_[side], places_) != places_) sides_.push_back(side);
         continue;
       }
-      mark_[behind] = places_;
+      mark_[behind] = own_mark_;
       waiting_.push_back(behind);
     }
   }
@@ -135,7 +137,7 @@ inline void FacetFlood::go_on(size_t reached) {
     if (twin != NO_TWIN) reach(~twin, end_inside, begin_inside);
     return;
   }
-  append(twin, end_inside, begin_inside, mark_[twin / 3] != places_);
+  append(twin, end_inside, begin_inside, mark_[twin / 3] != own_mark_);
 }
 
 [[gnu::always_inline]] inline void FacetFlood::append(int32_t half_edge, bool begin_inside, bool end_inside, bool is_new) {
@@ -144,7 +146,7 @@ inline void FacetFlood::go_on(size_t reached) {
     rows_.resize(entered_.size() + FACE_LANES);
   }
   entered_[reached_] = {half_edge, begin_inside | end_inside << 1};
-  mark_[half_edge / 3] = places_;
+  mark_[half_edge / 3] = own_mark_;
   all_rows_.prefetch(half_edge / 3);
   reached_ += is_new;
 }

@@ -41,6 +41,7 @@ private:
   struct Entered {
     int32_t half_edge, inside;
   };
+  enum class Mark : uint8_t {}; // of one of the last places; small, so that caches hold those of many triangles
   enum class Cut : uint8_t { one, several };
   struct Met {
     int32_t place = 0; // the last place that met it
@@ -66,10 +67,11 @@ private:
   const FaceRows &all_rows_;
   dvec3 center_{0};
   double radius_ = 0;
-  std::vector<int32_t> mark_;      // (triangles) the last place that reached it
+  std::vector<Mark> mark_;         // (triangles) of the last place that reached it
   std::vector<Met> met_;           // (facets)
   std::vector<int32_t> side_mark_; // the same for sides, if a facet has several parts
   int32_t places_ = 0;
+  Mark own_mark_{};
   size_t reached_ = 0, own_triangles_ = 0;
   std::vector<Entered> entered_; // of reached triangles
   std::vector<const FaceRow *> rows_;
