@@ -10,108 +10,6 @@
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-// ---- Selection
-
-// Returns whether the distance to the center may have a local minimum on a sample. At such a point the direction to the center is
-// one of the surface's normals, or lies between them. Their angle to the face normal is at most the turn. The surface rises from
-// the face by at most turn times reach.
-inline Choices may_be_nearest(const Lanes &square, const Lanes &height, const Lanes &reach, const Lanes &turn) {
-  constexpr float normals_length = 0.95f; // least squared length of mean normals
-  const Lanes turned = reach + turn * (turn * reach + max(height, -1.0f * height));
-  return square - height * height * (1.0f / normals_length) < turned * turned;
-}
-
-using FourIndices [[gnu::vector_size(16)]] = int32_t;
-
-// For each mask of four bits, the indices of the set bits come first.
-constexpr auto set_bits = [] {
-  struct {
-    int32_t places[16][4], count[16];
-  } table{};
-  for (int bits = 0; bits < 16; ++bits)
-    for (int i = 0; i < 4; ++i)
-      if ((bits >> i & 1) != 0) table.places[bits][table.count[bits]++] = i;
-  return table;
-}();
-
-// Appends indices by groups of four. Unset entries are overwritten by the next group. Returns the new length of the list.
-inline int32_t append(uint32_t bits, int32_t first, int32_t *list, int32_t count) {
-  for (int i = 0; i < lane_count; i += 4) {
-    const uint32_t four = bits >> i & 15;
-    FourIndices places;
-    __builtin_memcpy(&places, set_bits.places[four], sizeof places);
-    places += first + i;
-    __builtin_memcpy(list + count, &places, sizeof places);
-    count += set_bits.count[four];
-  }
-  return count;
-}
-
-inline void select_of_block(const SampleBlock &block, int32_t number, const Vector<3, Lanes> &center, float radius,
-                            Selection &to) {
-  const int32_t index = number * block_lanes;
-  uint32_t wholes = 0;
-  for (int first = 0; first < block_lanes; first += lane_count) {
-    const Vector<3, Lanes> corners[3] = {load3(block.corner[0], first) - center, load3(block.corner[1], first) - center,
-                                         load3(block.corner[2], first) - center};
-    const Vector<3, Lanes> offset = (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f);
-    const Lanes square = square_of(offset), reach = load(block.reach + first), beyond = radius + reach;
-    const uint32_t near = bits_of(square < beyond * beyond);
-    if (near == 0) continue;
-    const Choices in[3] = {square_of(corners[0]) < radius * radius, square_of(corners[1]) < radius * radius,
-                           square_of(corners[2]) < radius * radius};
-    const uint32_t all = near & bits_of(in[0] && in[1] && in[2]), some = near & bits_of(in[0] || in[1] || in[2]);
-    const Lanes height = dot(offset, load3(block.face, first));
-    const uint32_t nearest = near & bits_of(may_be_nearest(square, height, reach, load(block.turn + first)));
-    wholes |= all << first;
-    to.cuts = append(some & ~all, index + first, to.cut, to.cuts);
-    if (nearest != 0) to.nearests = append(nearest, index + first, to.nearest, to.nearests);
-  }
-  to.whole[to.wholes] = {number, wholes};
-  to.wholes += wholes != 0;
-}
-
-void select(const Candidates &from, const float *center, float radius, Selection &to) {
-  to.wholes = to.cuts = to.nearests = 0;
-  const Vector<3, Lanes> middle = all(center);
-  for (int32_t first = 0; first < from.count; first += lane_count) {
-    const Vector<3, Lanes> at(load(from.sphere[0] + first), load(from.sphere[1] + first), load(from.sphere[2] + first));
-    const Lanes beyond = radius + load(from.sphere[3] + first);
-    for (uint32_t bits = bits_of(square_of(at - middle) < beyond * beyond); bits != 0; bits &= bits - 1) {
-      const int32_t i = first + __builtin_ctz(bits);
-      select_of_block(*from.block[i], i, middle, radius, to);
-    }
-  }
-}
-
-BallBits find_balls(const Balls &balls, const float *middle, float reach) {
-  const Vector<3, Lanes> from = all(middle);
-  const float room = balls.radius - reach, beyond = 1.00001f * (balls.radius + reach), inside = room > 0.0f ? room * room : 0.0f;
-  BallBits bits{};
-  for (int first = 0; first < balls.count; first += lane_count) {
-    const Lanes square = square_of(load3(balls.center, first) - from);
-    bits.within |= uint64_t{bits_of(square < inside)} << first;
-    bits.touched |= uint64_t{bits_of(square < beyond * beyond)} << first;
-  }
-  return bits;
-}
-
-// The same test as meets_ball().
-uint64_t balls_of_edge(const Balls &balls, const float *from, const float *to) {
-  const Vector<3, Lanes> a = all(from), b = all(to);
-  const float square = balls.radius * balls.radius;
-  uint64_t bits = 0;
-  for (int first = 0; first < balls.count; first += lane_count) {
-    const Vector<3, Lanes> center = load3(balls.center, first), of_a = a - center, of_b = b - center, way = of_b - of_a;
-    const Lanes beyond_a = square_of(of_a) - square, beyond_b = square_of(of_b) - square;
-    const Lanes along = -1.0f * dot(of_a, way), length = square_of(way);
-    const Choices meets =
-        beyond_a < 0.0f || beyond_b < 0.0f || (along > 0.0f && along < length && beyond_a * length < along * along);
-    bits |= uint64_t{bits_of(meets)} << first;
-  }
-  return bits;
-}
-
 // ---- Sums
 
 template <class Wide> struct Adder {
@@ -130,60 +28,6 @@ template <class Wide> struct Adder {
       add_middles<may_be_cut>(seen, part, maps);
     else
       add_part<may_be_cut>(seen, distances, part);
-  }
-
-  // The sums over block parts.
-  struct BlockSums {
-    Lanes area = 0.0f, squares = 0.0f, facets = 0.0f, noise = 0.0f, yy = 0.0f;
-    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};       // x in units of the positions
-    Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as in SampleBlock
-  };
-
-  // Uses corners: a triangle's second moments are a twelfth of its area times the products of its corners plus those of their
-  // sum.
-  void add_block(const SampleBlock &block, uint32_t samples, int first, BlockSums &to) const {
-    const Choices chosen = choices_of(samples >> first);
-    const Lanes weight = mix(0.0f, load(block.area + first), chosen);
-    Lanes x = 0.0f, y = 0.0f; // sums over the corners
-    Vector<3, Lanes> squares(Lanes(0.0f));
-    for (const auto &corner : block.corner) {
-      const Vector<3, Lanes> offset = load3(corner, first) - sums.center.position;
-      const Lanes u = dot(offset, sums.center.t1), v = dot(offset, sums.center.t2);
-      x += u;
-      y += v;
-      squares += Vector<3, Lanes>(u * u, u * v, v * v);
-    }
-    const Vector<3, Lanes> normal = load3(block.normal, first);
-    const Lanes a = dot(normal, sums.center.t1), b = dot(normal, sums.center.t2);
-    squares += Vector<3, Lanes>(x * x, x * y, y * y);
-    to.area += weight;
-    to.squares += weight * weight;
-    to.facets += weight * load(block.facet + first);
-    to.noise += mix(0.0f, weight * load(block.noise + first), chosen);
-    to.xx += weight * squares;
-    to.xy += weight * Vector<3, Lanes>(x * a, x * b + y * a, y * b);
-    to.yy += weight * (a * a + b * b);
-    for (int i = 0; i < 6; ++i) to.turning[i] += mix(0.0f, load(block.turning[i] + first), chosen);
-  }
-
-  void add_blocks(const SelectedSamples &samples, int first) {
-    BlockSums of_blocks;
-    for (const BlockPart &part : samples.parts) add_block(*samples.block[part.block], part.samples, first, of_blocks);
-    const Lanes(&m)[6] = of_blocks.turning;
-    const auto turning = [&](const Vector<3, Lanes> &s, const Vector<3, Lanes> &t) {
-      return s.x * t.x * m[0] + s.y * t.y * m[1] + s.z * t.z * m[2] +
-             0.5f * ((s.x * t.y + s.y * t.x) * m[3] + (s.x * t.z + s.z * t.x) * m[4] + (s.y * t.z + s.z * t.y) * m[5]);
-    };
-    const Vector<3, Lanes> &t1 = sums.center.t1, &t2 = sums.center.t2;
-    const Vector<3, Lanes> turned(turning(t1, t1), 2.0f * turning(t1, t2), turning(t2, t2));
-    const float per_radius = 1.0f / kernel.params.radius;
-    sums.moments.area += of_blocks.area;
-    sums.moments.squares += of_blocks.squares;
-    sums.moments.facets += of_blocks.facets;
-    sums.moments.noise += of_blocks.noise * (per_radius * per_radius);
-    sums.moments.xx += of_blocks.xx * (per_radius * per_radius * (1.0f / 12.0f));
-    sums.moments.xy += (of_blocks.xy * (1.0f / 3.0f) + turned) * per_radius;
-    sums.moments.yy += of_blocks.yy;
   }
 
   // Adds a part by its mean position and the variation around it.
@@ -253,13 +97,28 @@ template <class Wide> struct Adder {
            (1.0f + chord * (1.0f / 24.0f + 3.0f / 640.0f * chord));
   }
 
-  [[gnu::always_inline]] static Part clip_at(const Seen &seen, const Distances &distances, float radius) {
+  [[gnu::always_inline]] Part clip_at(const Seen &seen, const Distances &distances, float radius) {
     const Lanes rim = radius * radius;
     const Lanes inside[3] = {rim - distances.corner[0], rim - distances.corner[1], rim - distances.corner[2]};
     const Choices in = inside[0] > 0.0f;
-    if (!any((in != (inside[1] > 0.0f)) || (in != (inside[2] > 0.0f))))
-      return {mix(0.0f, seen.area, in), {0.0f, 0.0f}, 0.0f, {0.0f, 0.0f}};
-    return clip(seen, inside, distances.edge, seen.per_radius_of_arc(radius));
+    Part part{mix(0.0f, seen.area, in), {0.0f, 0.0f}, 0.0f, {0.0f, 0.0f}};
+    if (any((in != (inside[1] > 0.0f)) || (in != (inside[2] > 0.0f))))
+      part = clip(seen, inside, distances.edge, seen.per_radius_of_arc(radius));
+    if (any(seen.is_cluster)) {
+      const Lanes of_corners[3] = {fast_sqrt(distances.corner[0]), fast_sqrt(distances.corner[1]),
+                                   fast_sqrt(distances.corner[2])};
+      part = mix(part, clip_cluster(seen, distance_to_mean(seen), of_corners, radius), seen.is_cluster);
+    }
+    return part;
+  }
+
+  Lanes distance_to_mean(const Seen &seen) {
+    Neighbor neighbor;
+    neighbor.offset = seen.offset;
+    neighbor.normal = seen.normal;
+    neighbor.rho = fast_sqrt(square_of(seen.offset));
+    if constexpr (Wide::geodesic_ball) return kernel.geodesic_distance(sums.center, neighbor);
+    return neighbor.rho;
   }
 
   // Lets the neighbor represent the part.
@@ -340,7 +199,7 @@ template <class Part> size_t store(const Part &part, int pass, LanesOfSums &sums
   return at + count;
 }
 
-template <template <class, class> class Kernel, bool by_blocks = false>
+template <template <class, class> class Kernel>
 void add_samples(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums) {
   using Wide = Kernel<Lanes, Choices>;
   alignas(64) LanesOfSums of_lanes;
@@ -351,10 +210,7 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
     adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
     const auto at = [&](const auto *list, int32_t block) { return list ? list + block * block_lanes + first : nullptr; };
     const SampleRun &whole = samples.whole, &cut = samples.cut;
-    if constexpr (by_blocks)
-      adder.add_blocks(samples, first);
-    else
-      for (int32_t i = 0; i < whole.blocks; ++i) adder.template add<Wide::geodesic_ball>(at(whole.sample, i), at(whole.map, i));
+    for (int32_t i = 0; i < whole.blocks; ++i) adder.template add<Wide::geodesic_ball>(at(whole.sample, i), at(whole.map, i));
     for (int32_t i = 0; i < cut.blocks; ++i) adder.template add<true>(at(cut.sample, i), at(cut.map, i));
     count = store(adder.sums.moments, pass, of_lanes, 0);
     if constexpr (requires { adder.sums.windows; }) count = store(adder.sums.windows, pass, of_lanes, count);
@@ -367,7 +223,7 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
   }
 }
 
-constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel, adds_blocks(SumKind::fit)>,
+constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
                                            add_samples<SurfaceKernel>,
                                            add_samples<SurfaceGeodesicKernel>,
                                            add_samples<ExtrapolatedKernel>,
@@ -382,7 +238,7 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel, adds_blocks(Su
 #define JOIN(a, b) a##b
 #define SUMS_OF(target) JOIN(sums_of_, target)
 extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, find_balls, balls_of_edge, by_kind};
+const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), by_kind};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -25,7 +25,7 @@ template <class Use> inline void for_each_bit(uint32_t bits, const Use &use) {
   for (; bits != 0; bits &= bits - 1) use(__builtin_ctz(bits));
 }
 
-int32_t find(const PatchArrays &surface, const CenterLanes &centers, int32_t *patches) {
+int32_t find(const PatchArrays &surface, const CenterLanes &centers, NearPatch *patches) {
   const Vector<3, Lanes> place = all(centers.middle);
   const float reach = 1.00001f * (centers.radius + centers.spread);
   const SphereList(&levels)[3] = surface.levels;
@@ -35,7 +35,7 @@ int32_t find(const PatchArrays &surface, const CenterLanes &centers, int32_t *pa
       const int32_t middle = group_lanes * (top + k);
       for_each_bit(spheres_near(levels[1], middle, place, reach), [&](int32_t j) {
         const int32_t low = group_lanes * (middle + j);
-        for_each_bit(spheres_near(levels[0], low, place, reach), [&](int32_t i) { patches[count++] = low + i; });
+        for_each_bit(spheres_near(levels[0], low, place, reach), [&](int32_t i) { patches[count++].patch = low + i; });
       });
     });
   return count;
@@ -53,8 +53,9 @@ inline Vector<3, Lanes> place_of(const float *const (&position)[3], int32_t i) {
   return {position[0][i], position[1][i], position[2][i]};
 }
 
-// Classifies a patch against the balls. Returns false if no ball meets its triangles, including their corners in other patches.
-inline bool find_nearness(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, Nearness &nearness) {
+// Compares a patch with the balls. Returns false if no ball meets its triangles, including their corners in other patches.
+inline bool compare(const PatchArrays &surface, const CenterLanes &centers, NearPatch &near) {
+  const int32_t patch = near.patch;
   const Vector<3, Lanes> middle = place_of({surface.sphere[0], surface.sphere[1], surface.sphere[2]}, patch);
   const float reach = surface.sphere[3][patch], far = centers.radius + reach, beyond = centers.radius + surface.own_reach[patch],
               room = std::max(centers.radius - reach, 0.0f);
@@ -67,36 +68,44 @@ inline bool find_nearness(const PatchArrays &surface, const CenterLanes &centers
   for (int first = 0; first < group_lanes; first += lane_count)
     squares[first / lane_count] = square_of(load3(centers.position, first) - middle);
   if (within(far * far) == 0) return false;
-  nearness = within(beyond * beyond) == 0           ? Nearness::outside
-             : within(room * room) == centers.all() ? Nearness::inside
-                                                    : Nearness::some;
+  near.has_points = within(beyond * beyond) != 0;
+  near.within = static_cast<uint16_t>(within(room * room));
   return true;
 }
 
 void look(const PatchArrays &surface, const CenterLanes &centers, NearPatches &near) {
   const float square = centers.radius * centers.radius;
   const int32_t candidates = near.patches;
-  int32_t patches = 0, points = 0;
+  int32_t patches = 0, nodes = 0;
   for (int32_t i = 0; i < candidates; ++i) {
-    const int32_t patch = near.patch[i];
-    Nearness nearness;
-    if (!find_nearness(surface, centers, patch, nearness)) continue;
-    near.patch[patches] = patch;
-    near.nearness[patches++] = nearness;
-    if (nearness == Nearness::outside) continue;
-    for (int32_t point = surface.patch_begin[patch]; point < surface.patch_begin[patch + 1]; ++point) {
+    NearPatch patch = near.patch[i];
+    if (!compare(surface, centers, patch)) continue;
+    near.patch[patches++] = patch;
+    if (!patch.has_points) continue;
+    for (int32_t node = surface.patch_begin[patch.patch]; node < surface.patch_begin[patch.patch + 1]; ++node) {
       const uint32_t in =
-          nearness == Nearness::inside ? centers.all() : centers_near(centers, place_of(surface.position, point), square);
-      near.in[point] = static_cast<uint16_t>(in);
-      near.point[points] = point;
-      points += in != 0;
+          patch.within == centers.all() ? centers.all() : centers_near(centers, place_of(surface.position, node), square);
+      near.in[node] = static_cast<uint16_t>(in);
+      near.node[nodes] = node;
+      nodes += in != 0;
     }
   }
   near.patches = patches;
-  near.points = points;
+  near.nodes = nodes;
 }
 
-// The same test as BallEdges::meets(), for edges with both ends outside.
+SphereSets sphere(const CenterLanes &centers, const float *middle, float reach) {
+  const Vector<3, Lanes> place = all(middle);
+  const float room = std::max(centers.radius - reach, 0.0f), beyond = centers.radius + reach;
+  SphereSets sets{};
+  for (int first = 0; first < group_lanes; first += lane_count) {
+    const Lanes square = square_of(load3(centers.position, first) - place);
+    sets.within |= bits_of(square < room * room) << first;
+    sets.touched |= bits_of(square < beyond * beyond) << first;
+  }
+  return sets;
+}
+
 uint32_t dips(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to) {
   const Vector<3, Lanes> a = place_of(surface.position, from), way = place_of(surface.position, to) - a;
   const Lanes length = square_of(way);
@@ -130,18 +139,20 @@ inline void append(const Choices::Bits &sets, const Choices::Bits &items, Center
   lists.count = append(bits, items, lists.item, lists.count);
 }
 
-// Lists the triangles of a patch that have a corner in a ball, with the sets of all three corners. Entries are written one by
-// one, and read as whole vectors only when a whole run of patches is complete. Loading a vector right after storing its parts
-// would stall.
-inline void list_touched(const PatchArrays &surface, int32_t patch, const uint16_t *reached, TouchedTriangles &touched) {
+// Lists the triangles of a patch that have a corner in a ball, with the sets of all three corners. within: balls that contain the
+// whole patch, whose triangles are not needed one by one. Entries are written one by one, and read as whole vectors only when a
+// whole run of patches is complete. Loading a vector right after storing its parts would stall.
+inline void list_touched(const PatchArrays &surface, int32_t patch, int32_t within, const uint16_t *reached,
+                         TouchedTriangles &touched) {
   int32_t count = touched.count;
   const int32_t *corner = surface.corner + 3 * static_cast<ptrdiff_t>(surface.triangle_begin[patch]);
   for (int32_t t = surface.triangle_begin[patch]; t < surface.triangle_begin[patch + 1]; ++t, corner += 3) {
-    const int32_t a = reached[corner[0]], b = reached[corner[1]], c = reached[corner[2]];
+    const int32_t a = reached[corner[0]] & ~within, b = reached[corner[1]] & ~within, c = reached[corner[2]] & ~within;
     touched.triangle[count] = t;
     touched.corner[0][count] = a;
     touched.corner[1][count] = b;
     touched.corner[2][count] = c;
+    touched.turning[count] = surface.turning[t];
     count += (a | b | c) != 0;
   }
   touched.count = count;
@@ -166,7 +177,10 @@ inline void sort_triangles(GroupLists &lists) {
         const auto set = [&](int k) { return bits(touched.corner[(corner + k) % 3] + first); };
         const Choices::Bits a = set(0), b = set(1), c = set(2), triangle = bits(touched.triangle + first);
         if (corner == 0) append((a & b) | (c & (a | b)), triangle, lists.wholes);
-        append((a ^ b) & (a ^ c), row * triangle + 3 * corner, lists.corners);
+        const Choices::Bits alone = (a ^ b) & (a ^ c), turning = bits(touched.turning + first),
+                            item = row * triangle + 3 * corner;
+        append(alone & ~turning, item, lists.corners);
+        append(alone & turning, item, lists.turning_corners);
       }
   touched.count = 0;
 }
@@ -256,15 +270,21 @@ inline void add_wholes(const PatchArrays &surface, const CenterLanes &centers, i
 inline void add_patches(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, GroupLists &lists,
                         Totals &to) {
   for (int32_t i = 0; i < near.patches; ++i) {
-    const int32_t patch = near.patch[i], node = patch / group_lanes;
-    if (near.nearness[i] == Nearness::inside) { // A patch is connected, so it is reached if one of its points is.
+    const auto [patch, within, has_points] = near.patch[i];
+    if (within != 0) { // A patch is connected, so it is reached if one of its points is.
       CenterLists &wholes = lists.wholes;
       wholes.item[wholes.count] = surface.row_of_patch(patch);
-      wholes.centers[wholes.count++] = near.reached[surface.patch_begin[patch]];
-    } else {
-      list_touched(surface, patch, near.reached, lists.touched);
+      wholes.centers[wholes.count++] = within & near.reached[surface.patch_begin[patch]];
     }
-    const bool last = i + 1 == near.patches || near.patch[i + 1] / group_lanes != node || surface.apart[node] != 0;
+    if (within != centers.all()) {
+      list_touched(surface, patch, within, near.reached, lists.touched);
+      for (int32_t k = surface.cluster_begin[patch]; k < surface.cluster_begin[patch + 1]; ++k) {
+        lists.wholes.item[lists.wholes.count] = surface.row_of_cluster(k);
+        lists.wholes.centers[lists.wholes.count++] = near.whole[k] & ~within;
+      }
+    }
+    const int32_t node = patch / group_lanes;
+    const bool last = i + 1 == near.patches || near.patch[i + 1].patch / group_lanes != node || surface.apart[node] != 0;
     if (!last) continue;
     sort_triangles(lists);
     add_wholes(surface, centers, patch, lists.wholes, to);
@@ -309,27 +329,30 @@ inline void project(const Totals &from, const Tangents &tangents, int first, Lan
   sums[8] = load(from.sum[total_noise] + first);
 }
 
+template <bool turning>
 inline void add_rims(const PatchArrays &surface, const CenterLanes &centers, const Tangents &tangents, bool with_noise,
                      CenterLists &corners, BallSums &sums) {
   int32_t counts[group_lanes] = {};
   list_by_center(corners, centers.count, counts);
   for (int i = 0; i < centers.count; ++i) {
+    if (counts[i] == 0) continue;
     const auto lane = [i](const float(&v)[3][group_lanes]) { return Vector<3, Lanes>(v[0][i], v[1][i], v[2][i]); };
     const RimCenter center{lane(centers.position), lane(tangents.t[0]), lane(tangents.t[1]), centers.radius * centers.radius};
     float of_center[ball_sums];
-    (with_noise ? add_rim<true> : add_rim<false>)(surface, center, corners.of_center[i], counts[i], of_center);
-    for (int k = 0; k < ball_sums; ++k) sums[k][i] = of_center[k];
+    (with_noise ? add_rim<turning, true> : add_rim<turning, false>)(surface, center, corners.of_center[i], counts[i], of_center);
+    for (int k = 0; k < ball_sums; ++k) sums[k][i] += of_center[k];
   }
 }
 
 void add(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,
          BallSums &sums) {
   Totals wholes = {};
-  lists.touched.count = lists.wholes.count = lists.corners.count = 0;
+  lists.touched.count = lists.wholes.count = lists.corners.count = lists.turning_corners.count = 0;
   add_patches(surface, centers, near, lists, wholes);
   const Tangents tangents = tangents_of(centers);
   alignas(64) BallSums rim = {};
-  add_rims(surface, centers, tangents, with_noise, lists.corners, rim);
+  add_rims<false>(surface, centers, tangents, with_noise, lists.corners, rim);
+  add_rims<true>(surface, centers, tangents, with_noise, lists.turning_corners, rim);
   const float per_radius = 1.0f / centers.radius, per_square = per_radius * per_radius;
   const float units[ball_sums] = {1.0f, per_square, per_square, per_square, per_radius, per_radius, per_radius, 1.0f, per_square};
   for (int first = 0; first < group_lanes; first += lane_count) {
@@ -344,7 +367,7 @@ void add(const PatchArrays &surface, const CenterLanes &centers, const NearPatch
 #define JOIN(a, b) a##b
 #define BALL_SUMS_OF(target) JOIN(ball_sums_of_, target)
 extern const BallTarget BALL_SUMS_OF(KERNEL_TARGET);
-const BallTarget BALL_SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), refit, find, look, dips, add};
+const BallTarget BALL_SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), refit_spheres, refit, find, look, sphere, dips, add};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -25,8 +25,9 @@ struct alignas(32) MomentRow {
   float of[moment_row];
 };
 
-// The data of a triangle that the rim needs: corners and the normals there. The first two corners are repeated, so that three
-// consecutive ones start at any corner. Each is loaded as four floats.
+// The data of a triangle that the rim needs: corners and the normals there, which have length 1 if the triangle is turning; see
+// PatchArrays. The first two corners are repeated, so that three consecutive ones start at any corner. Each is loaded as four
+// floats.
 struct alignas(64) RimTriangle {
   float corner[5][3], area;
   float normal[5][3], per_twice_area;
@@ -41,19 +42,25 @@ struct SphereList {
 // A surface in the order of its patches, at one time; see PatchSurface. A node is a group of sixteen patches. If the node's
 // middle is near its patches, it is the origin of their moments; else each patch has an origin of its own.
 struct PatchArrays {
-  const int32_t *patch_begin, *triangle_begin, *corner;
-  const float *position[3]; // of points
+  const int32_t *patch_begin, *triangle_begin, *corner, *cluster_begin, *cluster_node; // as in PointPatches
+  const float *position[3]; // of nodes: points, or the means of clusters
+  const float *node_reach;  // bound on the distance of a cluster's surface from its mean; 0 for points
   const float *noise;       // of triangles
   RimTriangle *rim;         // (triangles + 1) the last one is zero
-  MomentRow *moment;        // (triangles + 1) the last one is zero; then (patches) sums over each patch
+  int32_t *turning;         // (triangles) -1: normals turn too much on it to vary linearly; 0: they do not
+  MomentRow *moment;        // (triangles + 1) the last one is zero; then sums over each patch, and over each cluster
   float *sphere[4];         // (patches) bounding spheres of all triangles: middle and reach
-  float *own_reach;         // (patches) reach of the patch's own points
+  float *own_reach;         // (patches) reach of the patch's own nodes
   float *origin[3];         // (patches)
   uint8_t *apart;           // (nodes) 1: each of its patches has an origin of its own
+  uint8_t *has_long_edge;   // (patches) 1: some triangle has an edge of at least the length `large`
+  uint8_t *has_listed;      // (patches) 1: some triangle has neither moments nor a part at the rim, and must be summed by itself
   SphereList levels[3];     // spheres of patches, of nodes, and of sixteen nodes
   int32_t patches, triangles;
+  float large; // triangles with such long edges are summed by themselves, and smaller ones where normals turn
 
   int32_t row_of_patch(int32_t patch) const { return triangles + 1 + patch; }
+  int32_t row_of_cluster(int32_t cluster) const { return triangles + 1 + patches + cluster; }
 };
 
 struct alignas(64) CenterLanes {
@@ -65,16 +72,20 @@ struct alignas(64) CenterLanes {
   uint32_t all() const { return (uint32_t{1} << count) - 1; }
 };
 
-// The surface near a group: the patches that are near, and whether each has no points of its own in any ball, lies within the
-// balls of all centers, or neither.
-enum class Nearness : uint8_t { outside, some, inside };
+// A patch near a group.
+struct NearPatch {
+  int32_t patch;
+  uint16_t within; // the set of centers whose balls contain all of it
+  bool has_points; // whether any ball may contain points of its own
+};
 struct NearPatches {
-  int32_t *patch;
-  Nearness *nearness;
+  NearPatch *patch;
   int32_t patches;
-  uint16_t *in, *reached; // (points) the sets of centers whose balls contain a point, and from which it is reached
-  int32_t *point;         // points that lie in any ball
-  int32_t points;
+  uint16_t *in, *reached; // (nodes) the sets of centers whose balls contain a node's position, and from which it is reached
+  int32_t *node;          // nodes that lie in any ball
+  int32_t nodes;
+  // (clusters) the sets of centers whose balls contain all of a cluster, or a part of it, and from which it is reached
+  uint16_t *whole, *part;
 };
 
 // Items with their sets of centers → lists of the items of each center.
@@ -86,28 +97,37 @@ struct CenterLists {
 };
 // Triangles and, for each corner, the set of centers from which it is reached within their balls.
 struct TouchedTriangles {
-  int32_t *triangle, *corner[3];
+  int32_t *triangle, *corner[3], *turning;
   int32_t count;
 };
 // Row indices of the moments that count as wholes, and the corners that are alone on their side of the rim. A corner is given by
 // the offset of its first float in the array of RimTriangles.
 struct GroupLists {
   TouchedTriangles touched;
-  CenterLists wholes, corners;
+  CenterLists wholes, corners, turning_corners;
 };
 
 // The order of the kernels' Moments: area; xx, xy, yy over r^2; xn, xm + yn, ym over r; facets; noise over r^2.
 inline constexpr int ball_sums = 9;
 using BallSums = float[ball_sums][group_lanes];
 
+struct SphereSets {
+  uint32_t within, touched;
+};
+
 // The functions of one instruction set.
 struct BallTarget {
   const char *name;
-  // Updates one node. normals: at the corners of its triangles, (triangles, 3, 3).
+  // Updates the spheres of one node, or also its moments and what the rim needs. normals: at the corners of its triangles,
+  // (triangles, 3, 3).
+  void (*refit_spheres)(const PatchArrays &surface, int32_t node);
   void (*refit)(const PatchArrays &surface, int32_t node, const float *normals);
   // Lists the patches near the centers, in their order, and returns their number.
-  int32_t (*find)(const PatchArrays &surface, const CenterLanes &centers, int32_t *patches);
+  int32_t (*find)(const PatchArrays &surface, const CenterLanes &centers, NearPatch *patches);
+  // Completes the list, and leaves out patches that no ball meets.
   void (*look)(const PatchArrays &surface, const CenterLanes &centers, NearPatches &near);
+  // Returns the sets of centers whose balls contain a sphere, and whose balls it may touch.
+  SphereSets (*sphere)(const CenterLanes &centers, const float *middle, float reach);
   // Returns the set of centers whose balls the edge between two points outside of them meets.
   uint32_t (*dips)(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to);
   void (*add)(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,

@@ -15,7 +15,7 @@ TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, in
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
       centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), normals.point[i],
-                    surface.half_edges.point_half_edge[i] / 3};
+                    surface.half_edges.point_half_edge[i] / 3, i};
   });
   return centers;
 }
@@ -45,7 +45,7 @@ static TreeCenter center_at(const Surface &surface, const Normals &normals, cons
   }
   const float span = length(sum);
   return {vec3((position - space.center) * space.scale),
-          span > 0.0f ? sum / span : normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle};
+          span > 0.0f ? sum / span : normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle, -1};
 }
 
 TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <string_view>
 
@@ -19,28 +20,52 @@ namespace {
 class GroupWork {
 public:
   explicit GroupWork(const ExactPass &pass);
-  void evaluate(int32_t group, CenterResults &results);
+  void evaluate(std::span<const int32_t> group, CenterResults &results);
 
 private:
-  void place_centers(int32_t first, int32_t count);
+  FloodStart start_of(const TreeCenter &center) const;
+  void place_centers(std::span<const int32_t> group);
   void find_patches();
-  void finish_center(int32_t lane, int32_t point, bool boundary, CenterResults &results);
+  std::pair<uint32_t, uint32_t> sets_of(int32_t item) const;
+  uint32_t clusters_at_boundary() const;
+  void list_items();
+  void finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results);
+  void add_listed(int32_t lane, const SumCenter &center, float *sums);
+  void divide(int32_t listed);
+  struct Run {
+    std::vector<const FlatSample *> samples;
+    std::vector<const SampleMap *> maps;
+  };
+  void append(const SampleList &list, int32_t first, int32_t last, Run &run) const;
+  SampleRun run_of(std::span<const int32_t> triangles, Run &run) const;
   void forget();
 
   const ExactPass &pass_;
   const PatchArrays &surface_;
-  bool with_noise_;
+  bool with_noise_, with_moments_;
   CenterLanes centers_{};
+  FloodStart start_[group_lanes] = {};
+  std::vector<int32_t> pieces_; // components that the centers lie on
   PointFlood flood_;
-  std::vector<int32_t> patch_;
-  std::vector<Nearness> nearness_;
-  std::vector<uint16_t> in_, reached_; // (points + 1) 0 between groups
-  std::vector<int32_t> point_;
+  std::vector<NearPatch> patch_;
+  std::vector<uint16_t> in_, reached_; // (nodes + 1) 0 between groups
+  std::vector<int32_t> node_;
+  std::vector<uint16_t> cluster_whole_, cluster_part_;
   NearPatches near_{};
   UnsetVector<int32_t> list_items_;
   GroupLists lists_{};
   alignas(64) BallSums sums_{};
   std::vector<float> values_;
+  // What lies within each ball, and what may be cut, as indices into PatchSamples::item.
+  UnsetVector<int32_t> listed_;
+  int32_t *whole_[group_lanes] = {}, *cut_[group_lanes] = {};
+  int32_t wholes_[group_lanes] = {}, cuts_[group_lanes] = {};
+  struct Divided {
+    int32_t listed, first, last; // the triangle, and its samples in divided_
+  };
+  std::vector<Divided> divided_triangles_; // very large triangles, which each group divides where they are near
+  SampleList divided_;
+  Run whole_run_, cut_run_;
 };
 
 } // namespace
@@ -51,25 +76,40 @@ bool asks_for_noise(std::span<const int> rows) {
 
 GroupWork::GroupWork(const ExactPass &pass)
     : pass_(pass), surface_(pass.surface.arrays()), with_noise_(asks_for_noise(pass.rows)),
-      flood_(pass.patches, surface_, pass.target), patch_(static_cast<size_t>(pass.patches.patches())), nearness_(patch_.size()),
-      in_(static_cast<size_t>(pass.patches.points()) + 1), reached_(in_.size()), point_(in_.size()) {
-  near_ = {patch_.data(), nearness_.data(), 0, in_.data(), reached_.data(), point_.data(), 0};
+      with_moments_(pass.plan.kind == SumKind::fit), flood_(pass.patches, surface_, pass.target),
+      patch_(static_cast<size_t>(pass.patches.patches())), in_(static_cast<size_t>(pass.patches.nodes()) + 1),
+      reached_(in_.size()), node_(in_.size()), cluster_whole_(static_cast<size_t>(pass.patches.clusters())),
+      cluster_part_(cluster_whole_.size()) {
+  near_ = {patch_.data(), 0, in_.data(), reached_.data(), node_.data(), 0, cluster_whole_.data(), cluster_part_.data()};
   centers_.radius = pass.params.radius;
 }
 
-void GroupWork::place_centers(int32_t first, int32_t count) {
+FloodStart GroupWork::start_of(const TreeCenter &center) const {
+  const PointPatches &patches = pass_.patches;
+  if (center.point >= 0) return {patches.node_of_point[center.point], -1};
+  const int32_t triangle = patches.place[center.triangle];
+  return {triangle < 0 ? patches.node_of_triangle[center.triangle] : -1, triangle};
+}
+
+void GroupWork::place_centers(std::span<const int32_t> group) {
   constexpr float nowhere = 1e15f;
   vec3 low(nowhere), high(-nowhere);
-  centers_.count = count;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int32_t i = 0; i < group_lanes; ++i) {
-      const float position = surface_.position[axis][first + i];
-      centers_.position[axis][i] = i < count ? position : nowhere;
-      centers_.normal[axis][i] = i < count ? pass_.surface.normal(axis)[first + i] : 0.0f;
-      if (i >= count) continue;
-      low[axis] = std::min(low[axis], position);
-      high[axis] = std::max(high[axis], position);
+  centers_.count = static_cast<int32_t>(group.size());
+  pieces_.clear();
+  for (size_t i = 0; i < group_lanes; ++i) {
+    const bool is_used = i < group.size();
+    const TreeCenter center = is_used ? pass_.centers[group[i]] : TreeCenter{vec3(nowhere), vec3(0.0f), -1, -1};
+    for (int axis = 0; axis < 3; ++axis) {
+      centers_.position[axis][i] = center.position[axis];
+      centers_.normal[axis][i] = center.normal[axis];
     }
+    if (!is_used) continue;
+    start_[i] = start_of(center);
+    const int32_t piece = pass_.piece_of_triangle[center.triangle];
+    if (std::ranges::find(pieces_, piece) == pieces_.end()) pieces_.push_back(piece);
+    low = glm::min(low, center.position);
+    high = glm::max(high, center.position);
+  }
   for (int axis = 0; axis < 3; ++axis) centers_.middle[axis] = 0.5f * (low[axis] + high[axis]);
   centers_.spread = 0.5f * length(high - low);
 }
@@ -77,12 +117,18 @@ void GroupWork::place_centers(int32_t first, int32_t count) {
 // Also allocates the lists for as many items as these patches may lead to.
 void GroupWork::find_patches() {
   near_.patches = pass_.target.find(surface_, centers_, patch_.data());
+  const auto is_of_others = [&](const NearPatch &near) {
+    return std::ranges::find(pieces_, pass_.patches.piece[near.patch]) == pieces_.end();
+  };
+  near_.patches = static_cast<int32_t>(std::remove_if(&patch_[0], &patch_[0] + near_.patches, is_of_others) - &patch_[0]);
+  if (!with_moments_) return;
   size_t triangles = 0;
   for (int32_t i = 0; i < near_.patches; ++i)
-    triangles += static_cast<size_t>(surface_.triangle_begin[patch_[i] + 1] - surface_.triangle_begin[patch_[i]]);
+    for (const int32_t *const begin : {surface_.triangle_begin, surface_.cluster_begin})
+      triangles += static_cast<size_t>(begin[patch_[i].patch + 1] - begin[patch_[i].patch]);
   const size_t wholes = triangles + static_cast<size_t>(near_.patches) + 2 * group_lanes,
                corners = 3 * triangles + 2 * group_lanes;
-  const size_t room = 4 * wholes + (2 + group_lanes) * (wholes + corners);
+  const size_t room = 5 * wholes + (2 + group_lanes) * (wholes + 2 * corners);
   if (room > list_items_.size()) list_items_.resize(2 * room);
   int32_t *next = list_items_.data();
   const auto place_list = [&](int32_t *&list, size_t size) { next = (list = next) + size; };
@@ -92,53 +138,179 @@ void GroupWork::find_patches() {
     for (int32_t *&list : of.of_center) place_list(list, size);
   };
   place_list(lists_.touched.triangle, wholes);
+  place_list(lists_.touched.turning, wholes);
   for (int32_t *&list : lists_.touched.corner) place_list(list, wholes);
   place(lists_.wholes, wholes);
   place(lists_.corners, corners);
+  place(lists_.turning_corners, corners);
 }
 
-void GroupWork::evaluate(int32_t group, CenterResults &results) {
-  const int32_t first = pass_.patches.group_begin[group], count = pass_.patches.group_begin[group + 1] - first;
-  place_centers(first, count);
+void GroupWork::evaluate(std::span<const int32_t> group, CenterResults &results) {
+  place_centers(group);
   find_patches();
   pass_.target.look(surface_, centers_, near_);
-  const uint32_t boundary = flood_.run(centers_, first, near_);
-  pass_.target.add(surface_, centers_, near_, with_noise_, lists_, sums_);
-  for (int32_t i = 0; i < count; ++i) finish_center(i, pass_.patches.point[first + i], (boundary >> i & 1) != 0, results);
+  const uint32_t boundary = flood_.run(centers_, start_, near_) | clusters_at_boundary();
+  if (with_moments_) pass_.target.add(surface_, centers_, near_, with_noise_, lists_, sums_);
+  list_items();
+  for (size_t i = 0; i < group.size(); ++i) finish_center(static_cast<int32_t>(i), group[i], (boundary >> i & 1) != 0, results);
   forget();
 }
 
-void GroupWork::finish_center(int32_t lane, int32_t point, bool boundary, CenterResults &results) {
+// Returns whether a segment meets the ball around the origin.
+static bool meets_ball(vec3 a, vec3 b, float radius) {
+  const float square = radius * radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
+  if (of_a < 0.0f || of_b < 0.0f) return true;
+  const vec3 way = b - a;
+  const float along = -dot(a, way), length = dot(way, way);
+  return along > 0.0f && along < length && of_a * length < along * along;
+}
+
+// Returns the set of centers whose balls meet the mesh's boundary at clusters that they reach.
+uint32_t GroupWork::clusters_at_boundary() const {
+  const PointPatches &patches = pass_.patches;
+  if (patches.rim.empty()) return 0;
+  uint32_t found = 0;
+  for (int32_t i = 0; i < near_.patches; ++i)
+    for (int32_t k = patches.cluster_begin[near_.patch[i].patch]; k < patches.cluster_begin[near_.patch[i].patch + 1]; ++k)
+      for (int32_t edge = patches.rim_begin[k]; edge < patches.rim_begin[k + 1]; ++edge) {
+        found |= near_.whole[k];
+        for (uint32_t bits = near_.part[k] & ~found; bits != 0; bits &= bits - 1) {
+          const int lane = std::countr_zero(bits);
+          const vec3 center(centers_.position[0][lane], centers_.position[1][lane], centers_.position[2][lane]);
+          const auto &[a, b] = pass_.surface.rim()[edge];
+          if (meets_ball(a - center, b - center, centers_.radius)) found |= uint32_t{1} << lane;
+        }
+      }
+  return found;
+}
+
+// Returns the sets of centers whose balls contain all of a triangle or cluster, and a part of it. Whole clusters have moments.
+std::pair<uint32_t, uint32_t> GroupWork::sets_of(int32_t item) const {
+  if (item < 0) return {with_moments_ ? 0 : near_.whole[~item], near_.part[~item]};
+  const int32_t *const corner = surface_.corner + 3 * static_cast<ptrdiff_t>(item);
+  const uint32_t a = reached_[corner[0]], b = reached_[corner[1]], c = reached_[corner[2]], whole = a & b & c;
+  return {whole, (a | b | c | flood_.dipped(item)) & ~whole};
+}
+
+// Lists what is summed one by one for each center, in its order.
+void GroupWork::list_items() {
+  const PatchSamples &samples = pass_.samples;
+  std::ranges::fill(wholes_, 0);
+  std::ranges::fill(cuts_, 0);
+  size_t room = 0;
+  for (int32_t i = 0; i < near_.patches; ++i)
+    room += static_cast<size_t>(samples.begin[near_.patch[i].patch + 1] - samples.begin[near_.patch[i].patch]);
+  if (room == 0) return;
+  if (2 * group_lanes * room > listed_.size()) listed_.resize(4 * group_lanes * room);
+  for (size_t i = 0; i < group_lanes; ++i) {
+    whole_[i] = &listed_[2 * i * room];
+    cut_[i] = &listed_[(2 * i + 1) * room];
+  }
+  for (int32_t i = 0; i < near_.patches; ++i)
+    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
+      const auto [whole, part] = sets_of(samples.item[k]);
+      for (uint32_t bits = whole; bits != 0; bits &= bits - 1) {
+        const int lane = std::countr_zero(bits);
+        whole_[lane][wholes_[lane]++] = k;
+      }
+      for (uint32_t bits = part; bits != 0; bits &= bits - 1) {
+        const int lane = std::countr_zero(bits);
+        cut_[lane][cuts_[lane]++] = k;
+      }
+      if ((whole | part) != 0 && samples.first[k] == samples.first[k + 1]) divide(k);
+    }
+}
+
+void GroupWork::divide(int32_t listed) {
+  const auto first = static_cast<int32_t>(divided_.sample.size());
+  const vec3 middle(centers_.middle[0], centers_.middle[1], centers_.middle[2]);
+  divide_triangle(pass_.sampled.triangle(pass_.samples.item[listed]), pass_.limit, {middle, centers_.spread + centers_.radius},
+                  pass_.sampled.map != nullptr, divided_);
+  divided_triangles_.push_back({listed, first, static_cast<int32_t>(divided_.sample.size())});
+}
+
+void GroupWork::append(const SampleList &list, int32_t first, int32_t last, Run &run) const {
+  for (int32_t i = first; i < last; ++i) {
+    run.samples.push_back(&list.sample[i]);
+    if (!list.map.empty()) run.maps.push_back(&list.map[i]);
+  }
+}
+
+SampleRun GroupWork::run_of(std::span<const int32_t> triangles, Run &run) const {
+  static const FlatSample nothing{};
+  static const SampleMap no_map{};
+  const PatchSamples &samples = pass_.samples;
+  run.samples.clear();
+  run.maps.clear();
+  for (const int32_t listed : triangles) {
+    append(samples.list, samples.first[listed], samples.first[listed + 1], run);
+    if (samples.first[listed] < samples.first[listed + 1]) continue;
+    const auto found = std::ranges::find(divided_triangles_, listed, &Divided::listed);
+    append(divided_, found->first, found->last, run);
+  }
+  const size_t blocks = (run.samples.size() + block_lanes - 1) / block_lanes;
+  run.samples.resize(blocks * block_lanes, &nothing);
+  if (pass_.sampled.map == nullptr) return {run.samples.data(), nullptr, static_cast<int32_t>(blocks)};
+  run.maps.resize(blocks * block_lanes, &no_map);
+  return {run.samples.data(), run.maps.data(), static_cast<int32_t>(blocks)};
+}
+
+// Adds the sums over the center's triangles that are summed one by one.
+void GroupWork::add_listed(int32_t lane, const SumCenter &center, float *sums) {
+  const auto wholes = static_cast<size_t>(wholes_[lane]), cuts = static_cast<size_t>(cuts_[lane]);
+  if (wholes + cuts == 0) return;
+  SelectedSamples selected{};
+  if (with_moments_) { // Its kernel takes single samples as cut ones only.
+    std::copy_n(whole_[lane], wholes, cut_[lane] + cuts);
+    selected.cut = run_of({cut_[lane], wholes + cuts}, cut_run_);
+  } else {
+    selected.whole = run_of({whole_[lane], wholes}, whole_run_);
+    selected.cut = run_of({cut_[lane], cuts}, cut_run_);
+  }
+  float listed[max_sums] = {};
+  pass_.sum_target.by_kind[static_cast<size_t>(pass_.plan.kind)](pass_.params, selected, center, listed);
+  for (size_t k = 0; k < max_sums; ++k) sums[k] += listed[k];
+}
+
+void GroupWork::finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results) {
+  const auto at = static_cast<size_t>(index);
   SumCenter center{};
   for (int axis = 0; axis < 3; ++axis) {
     center.position[axis] = centers_.position[axis][lane];
     center.normal[axis] = centers_.normal[axis][lane];
   }
-  // The order is that of the kernel's Moments.
-  const auto sum = [&](int k) { return sums_[k][lane]; };
-  const float sums[max_sums] = {sum(0), sum(1), sum(2), sum(3), sum(4), sum(5), sum(6), 0.0f, 0.0f, sum(7), sum(8)};
-  const auto index = static_cast<size_t>(point);
-  results.boundary[index] = boundary;
+  if (!pass_.map.empty()) center.value = pass_.map[at].w;
+  float sums[max_sums] = {};
+  if (with_moments_) { // The order is that of the kernel's Moments.
+    constexpr size_t places[ball_sums] = {0, 1, 2, 3, 4, 5, 6, 9, 10};
+    for (size_t k = 0; k < ball_sums; ++k) sums[places[k]] = sums_[k][lane];
+  }
+  add_listed(lane, center, sums);
+  results.boundary[at] = boundary;
   values_.clear();
   finish(pass_.plan, pass_.params, center, sums, boundary, pass_.rows, values_);
   for (size_t k = 0, next = 0; k < pass_.rows.size(); ++k) {
     const auto components = static_cast<size_t>(descriptor_row(pass_.rows[k]).components);
-    std::copy_n(&values_[next], components, &results.values[k][index * components]);
+    std::copy_n(&values_[next], components, &results.values[k][at * components]);
     next += components;
   }
 }
 
 void GroupWork::forget() {
   for (int32_t i = 0; i < near_.patches; ++i) {
-    const auto begin = surface_.patch_begin[patch_[i]], end = surface_.patch_begin[patch_[i] + 1];
+    const auto begin = surface_.patch_begin[patch_[i].patch], end = surface_.patch_begin[patch_[i].patch + 1];
     std::fill(&in_[begin], &in_[end], uint16_t{0});
     std::fill(&reached_[begin], &reached_[end], uint16_t{0});
   }
+  flood_.forget();
+  divided_triangles_.clear();
+  divided_.sample.clear();
+  divided_.map.clear();
 }
 
 void evaluate_exactly(const ExactPass &pass, CenterResults &results) {
   constexpr int groups_of_block = 8;
-  const int32_t groups = pass.patches.groups();
+  const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
   Pool<GroupWork> works;
@@ -147,7 +319,8 @@ void evaluate_exactly(const ExactPass &pass, CenterResults &results) {
                    [&](GroupWork &work) {
                      for (int g = begin; g < end; ++g) {
                        checkpoint(); // One group alone may take milliseconds.
-                       work.evaluate(g, results);
+                       const auto first = static_cast<size_t>(pass.groups.begin[g]);
+                       work.evaluate(std::span(pass.groups.center).subspan(first, pass.groups.begin[g + 1] - first), results);
                        ++done;
                      }
                    });

@@ -1,4 +1,4 @@
-// Computes the sums of the shape operator at all points of a mesh exactly, over all triangles in each ball.
+// Computes sums over all triangles in each center's ball, by moments or one by one.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,8 @@
 
 #include "descriptor/results.h"
 #include "engine/cpu/finish.h"
+#include "engine/cpu/groups.h"
+#include "engine/cpu/patch_samples.h"
 #include "engine/cpu/patch_surface.h"
 #include "engine/cpu/point_patches.h"
 
@@ -14,7 +16,15 @@ namespace paradesc {
 struct ExactPass {
   const PointPatches &patches;
   const PatchSurface &surface;
+  const PatchSamples &samples; // the triangles and clusters that are summed one by one
+  const SampledSurface &sampled;
+  SampleLimit limit;
+  const TreeCenters &centers;
+  const CenterGroups &groups;                 // of at most group_lanes centers
+  std::span<const int32_t> piece_of_triangle; // the connected component of each triangle of the mesh
+  const MapValues &map;                       // (centers) values of the map for operators; or empty
   const BallTarget &target;
+  const SumTarget &sum_target;
   SumPlan plan;
   EvaluateParams params;
   std::span<const int> rows;
@@ -25,7 +35,7 @@ struct ExactPass {
 // Returns whether any row depends on the noise of positions.
 bool asks_for_noise(std::span<const int> rows);
 
-// results: for all points; unknown_results() before the call.
+// results: for all centers; unknown_results() before the call.
 void evaluate_exactly(const ExactPass &pass, CenterResults &results);
 
 } // namespace paradesc

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "engine/cpu/surfels.h"
+#include "support/math.h"
+#include "support/unset.h"
 
 namespace paradesc {
 
@@ -13,17 +15,21 @@ struct TreeCenter {
   vec3 position;
   vec3 normal;      // unit
   int32_t triangle; // the triangle that it lies on
+  int32_t point;    // the point of the mesh that it is; or -1
 };
 using TreeCenters = UnsetVector<TreeCenter>;
-
-inline constexpr int32_t max_centers = 48; // per group
 
 struct CenterGroups {
   std::vector<int32_t> center; // the centers whose triangles are not left out, group by group
   std::vector<int32_t> begin;  // (groups + 1) into center
 };
 
-// Groups have at most max_centers centers, and are no wider than a fixed multiple of the radius.
-CenterGroups group_centers(const ClusterTree &tree, const TreeCenters &centers, float radius);
+// Groups have at most `most` centers, and are no wider than a fixed multiple of the radius. rank: the places of triangles in an
+// order in which neighbors are near each other on the surface; -1: left out.
+CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &centers, float radius, int32_t most);
+
+// Joins groups that follow each other while they have at most group_lanes centers and are no wider than that, such as small parts
+// of a mesh.
+CenterGroups join_groups(const CenterGroups &groups, const TreeCenters &centers, float radius);
 
 } // namespace paradesc

@@ -11,17 +11,9 @@ static vec3 unit_or(vec3 v, vec3 otherwise) {
   return square > 0.0f ? v / std::sqrt(square) : otherwise;
 }
 
-// Returns the tangent of the angle between two unit vectors whose difference has this length.
-static float tangent(float gap) {
-  constexpr float right_angle = 1.4f; // approximately; for larger gaps a large constant is returned
-  if (gap > right_angle) return 1e6f;
-  const float cosine = 1.0f - 0.5f * gap * gap;
-  return std::sqrt(1.0f - cosine * cosine) / cosine;
-}
-
 // In the coordinates (a, b), the corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)), and the edge midpoints at (sqrt(2), 0)
 // and (-sqrt(1/2), +-sqrt(3/2)). The mean of a quadratic over the triangle is its mean over these midpoints.
-Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) {
+Sample sample_of_triangle(const vec3 *corners, const vec3 *normals) {
   const vec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], plane = cross(edge, other);
   Sample sample;
   sample.position = corners[0] + (edge + other) * (1.0f / 3.0f);
@@ -35,10 +27,6 @@ Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) 
   sample.normal = (opposite + left + right) * (1.0f / 3.0f);
   sample.normal_along[0] = (2.0f * opposite - left - right) * 0.23570226f; // sqrt(1/2) / 3
   sample.normal_along[1] = (left - right) * 0.40824829f;                   // sqrt(3/2) / 3
-  float square = 0.0f;
-  for (int k = 0; k < 3; ++k) square = std::max(square, dot(corners[k] - sample.position, corners[k] - sample.position));
-  sample.reach = std::sqrt(square);
-  sample.turn = tangent(lean);
   return sample;
 }
 
@@ -75,7 +63,7 @@ Cluster ClusterSums::cluster() const {
 
 // Chooses two directions in the plane of the mean face: the first captures all variation along it, the second the remaining
 // variation.
-Sample sample_of(const Cluster &cluster, float lean) {
+Sample sample_of(const Cluster &cluster) {
   Sample sample;
   sample.position = cluster.position;
   sample.normal = cluster.normal;
@@ -83,8 +71,6 @@ Sample sample_of(const Cluster &cluster, float lean) {
   sample.area = cluster.area;
   sample.noise = cluster.noise;
   sample.facet = cluster.facet;
-  sample.reach = cluster.reach;
-  sample.turn = tangent(lean);
   const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));
   const vec3 first = tangent_of(n), second = cross(n, first);
   const vec3 of_first = cluster.variance * first;

@@ -14,15 +14,12 @@ struct Sample {
   vec3 normal_along[2] = {vec3(0.0f), vec3(0.0f)};
   vec3 face{0.0f}; // mean of the triangles' face normals; shorter than 1 where they differ
   float area = 0;
-  float reach = 0; // bound on the distance of its points from position
-  float turn = 0;  // bound on the tangent of the angle between face and the triangles in and around it
   float noise = 0; // variance along the normal; NaN if unknown
   float facet = 0; // area of its triangle, or area-weighted mean for several
 };
 
-// corners, normals: of the triangle, in orientation order. Normals are interpolated linearly and then normalized. lean: bound on
-// the distance of the face normals around it from its own, on the unit sphere.
-Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean = 0.0f);
+// corners, normals: of the triangle, in orientation order. Normals are interpolated linearly and then normalized.
+Sample sample_of_triangle(const vec3 *corners, const vec3 *normals);
 
 // Sums over a connected piece of many triangles.
 struct Cluster {
@@ -48,7 +45,7 @@ private:
   Cluster sums_;
 };
 
-// Returns the triangle that represents a cluster. lean: as for a triangle, relative to the mean face normal.
-Sample sample_of(const Cluster &cluster, float lean);
+// Returns the triangle that represents a cluster.
+Sample sample_of(const Cluster &cluster);
 
 } // namespace paradesc

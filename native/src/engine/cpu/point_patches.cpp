@@ -1,4 +1,4 @@
-// Cuts the tree of points into small clusters, and then collects the adjacency of points and patches.
+// Cuts the tree of points into small clusters, and then collects triangles and the adjacency of nodes and patches.
 #include "engine/cpu/point_patches.h"
 
 #include <algorithm>
@@ -6,127 +6,221 @@
 #include <numeric>
 
 #include "engine/cpu/ball_sums.h"
-#include "mesh/cluster_tree.h"
 #include "support/cancel.h"
 
 namespace paradesc {
 
-// Returns where the largest clusters with at most so many items begin, as indices in the tree's order, followed by its end.
-static std::vector<int32_t> cut_tree(const ClusterTree &tree, int32_t most) {
-  std::vector<int32_t> begins;
-  std::vector<int32_t> places; // (clusters of the level + 1) in the tree's order
-  std::vector<std::vector<int32_t>> by_level(tree.levels());
-  places.resize(tree.size(0) + 1);
-  std::iota(places.begin(), places.end(), 0);
-  by_level[0] = places;
-  for (size_t level = 1; level < tree.levels(); ++level) {
+PointOrder order_points(const HalfEdges &half_edges) {
+  PointOrder order;
+  order.neighbors = find_point_neighbors(half_edges);
+  order.tree = build_point_tree(order.neighbors);
+  order.begin.resize(order.tree.levels());
+  order.begin[0].resize(order.tree.size(0) + 1);
+  std::iota(order.begin[0].begin(), order.begin[0].end(), 0);
+  for (size_t level = 1; level < order.tree.levels(); ++level) {
     checkpoint();
-    for (const int32_t child : tree.child_begin[level - 1]) by_level[level].push_back(by_level[level - 1][child]);
+    for (const int32_t child : order.tree.child_begin[level - 1]) order.begin[level].push_back(order.begin[level - 1][child]);
   }
-  const auto cut = [&](const auto &self, size_t level, size_t cluster) -> void {
-    const int32_t begin = by_level[level][cluster], end = by_level[level][cluster + 1];
-    if (level == 0 || end - begin <= most) return begins.push_back(begin);
-    const std::vector<int32_t> &children = tree.child_begin[level - 1];
-    for (int32_t child = children[cluster]; child < children[cluster + 1]; ++child)
-      self(self, level - 1, static_cast<size_t>(child));
+  return order;
+}
+
+// Returns where the largest clusters of at most `most` items begin, in the order of the tree, and the end. count(begin, end): the
+// items among these points.
+template <class Count> static std::vector<int32_t> cut_tree(const PointOrder &order, int32_t most, const Count &count) {
+  std::vector<int32_t> begins;
+  const auto cut = [&](const auto &self, size_t level, int32_t cluster) -> void {
+    const int32_t begin = order.begin[level][cluster], end = order.begin[level][cluster + 1];
+    if (level == 0 || count(begin, end) <= most) return begins.push_back(begin);
+    const std::vector<int32_t> &children = order.tree.child_begin[level - 1];
+    for (int32_t child = children[cluster]; child < children[cluster + 1]; ++child) self(self, level - 1, child);
   };
-  for (size_t cluster = 0; cluster < tree.size(tree.levels() - 1); ++cluster) cut(cut, tree.levels() - 1, cluster);
-  begins.push_back(static_cast<int32_t>(tree.size(0)));
+  const size_t top = order.tree.levels() - 1;
+  for (size_t cluster = 0; cluster < order.tree.size(top); ++cluster) {
+    checkpoint_at(cluster);
+    cut(cut, top, static_cast<int32_t>(cluster));
+  }
+  begins.push_back(order.points());
   return begins;
 }
 
-// Lists the triangles of each patch in the order of the mesh.
-static void place_triangles(const HalfEdges &half_edges, const std::vector<int32_t> &rank, PointPatches &patches) {
-  const size_t count = half_edges.corner_point.size() / 3;
-  std::vector<int32_t> owner(count, -1), place(count, -1);
-  patches.triangle_begin.assign(static_cast<size_t>(patches.patches()) + 1, 0);
-  for (size_t t = 0; t < count; ++t) {
-    checkpoint_at(t);
-    if (half_edges.corner_point[3 * t] < 0) continue;
-    std::array<int32_t, 3> of_corner;
-    for (size_t k = 0; k < 3; ++k) of_corner[k] = patches.patch_of[rank[half_edges.corner_point[3 * t + k]]];
-    std::ranges::sort(of_corner);
-    owner[t] = of_corner[1];
-    ++patches.triangle_begin[of_corner[1] + 1];
-  }
-  std::partial_sum(patches.triangle_begin.begin(), patches.triangle_begin.end(), patches.triangle_begin.begin());
-  patches.triangle.resize(static_cast<size_t>(patches.triangle_begin.back()));
-  std::vector<int32_t> next(patches.triangle_begin.begin(), patches.triangle_begin.end() - 1);
-  for (size_t t = 0; t < count; ++t) {
-    checkpoint_at(t);
-    if (owner[t] < 0) continue;
-    place[t] = next[owner[t]]++;
-    patches.triangle[place[t]] = static_cast<int32_t>(t);
-  }
-  patches.corner.reserve(3 * (patches.triangle.size() + group_lanes));
-  patches.twin.reserve(3 * patches.triangle.size());
-  for (const int32_t t : patches.triangle) {
-    checkpoint_at(patches.twin.size());
-    for (int32_t half_edge = 3 * t; half_edge < 3 * t + 3; ++half_edge) {
-      const int32_t twin = half_edges.twin[half_edge];
-      patches.corner.push_back(rank[half_edges.corner_point[half_edge]]);
-      patches.twin.push_back(twin < 0 ? -1 : 3 * place[twin / 3] + twin % 3);
-    }
-  }
-  patches.corner.resize(3 * (patches.triangle.size() + group_lanes), 0);
+std::vector<int32_t> group_points(const PointOrder &order, int32_t most) {
+  return cut_tree(order, most, [](int32_t begin, int32_t end) { return end - begin; });
 }
 
-static void place_neighbors(const PointNeighbors &neighbors, const std::vector<int32_t> &rank, PointPatches &patches) {
-  constexpr auto room = static_cast<size_t>(PointPatches::near_neighbors);
-  patches.neighbor.assign(room * patches.point.size(), patches.points());
-  patches.more_begin.push_back(0);
-  for (size_t i = 0; i < patches.point.size(); ++i) {
-    checkpoint_at(i);
-    const auto begin = static_cast<size_t>(neighbors.begin[patches.point[i]]),
-               end = static_cast<size_t>(neighbors.begin[patches.point[i] + 1]);
-    for (size_t k = begin; k < end; ++k) {
-      const int32_t other = rank[neighbors.neighbor[k]];
-      if (k - begin < room)
-        patches.neighbor[room * i + (k - begin)] = other;
-      else
-        patches.more.push_back(other);
-    }
-    patches.more_begin.push_back(static_cast<int32_t>(patches.more.size()));
-  }
-}
+namespace {
 
-static void link_patches(PointPatches &patches) {
-  std::vector<int32_t> mark(static_cast<size_t>(patches.patches()), -1);
-  patches.link_begin.push_back(0);
-  patches.edge_begin.push_back(0);
-  for (int32_t p = 0; p < patches.patches(); ++p) {
-    checkpoint_at(static_cast<size_t>(p));
-    mark[p] = p;
-    const auto link_to = [&](int32_t other) {
-      if (other < patches.points() && mark[patches.patch_of[other]] != p) {
-        mark[patches.patch_of[other]] = p;
-        patches.link.push_back(patches.patch_of[other]);
+class Builder {
+public:
+  Builder(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin)
+      : order_(order), half_edges_(half_edges), node_begin_(node_begin) {}
+
+  PointPatches run() {
+    place_nodes();
+    place_triangles();
+    place_corners();
+    place_rims();
+    place_neighbors();
+    link_patches();
+    return std::move(to_);
+  }
+
+private:
+  bool is_cluster(int32_t node) const { return to_.node[node] < 0; }
+
+  void place_nodes() {
+    const auto nodes = static_cast<int32_t>(node_begin_.size()) - 1;
+    std::vector<int32_t> node_of(order_.tree.item.size()); // in the order of the tree
+    for (int32_t i = 0; i < nodes; ++i) {
+      checkpoint_at(static_cast<size_t>(i));
+      std::fill(node_of.begin() + node_begin_[i], node_of.begin() + node_begin_[i + 1], i);
+      const bool is_point = node_begin_[i + 1] - node_begin_[i] == 1;
+      to_.node.push_back(is_point ? order_.tree.item[node_begin_[i]] : ~to_.clusters());
+      if (!is_point) to_.cluster_node.push_back(i);
+    }
+    const auto count = [&](int32_t begin, int32_t end) { return node_of[end - 1] - node_of[begin] + 1; };
+    for (const int32_t begin : cut_tree(order_, PointPatches::most_nodes, count))
+      to_.patch_begin.push_back(begin < order_.points() ? node_of[begin] : nodes);
+    for (int32_t p = 0; p < to_.patches(); ++p)
+      to_.patch_of.insert(to_.patch_of.end(), static_cast<size_t>(to_.patch_begin[p + 1] - to_.patch_begin[p]), p);
+    for (int32_t p = 0; p < to_.patches(); ++p) {
+      const int32_t point = order_.tree.item[node_begin_[to_.patch_begin[p]]];
+      to_.piece.push_back(half_edges_.triangle_piece[half_edges_.point_half_edge[point] / 3]);
+    }
+    to_.node_of_point.resize(order_.tree.rank.size());
+    for (size_t i = 0; i < to_.node_of_point.size(); ++i) to_.node_of_point[i] = node_of[order_.tree.rank[i]];
+    to_.cluster_begin.assign(1, 0);
+    for (int32_t p = 0, next = 0; p < to_.patches(); ++p) {
+      while (next < to_.clusters() && to_.cluster_node[next] < to_.patch_begin[p + 1]) ++next;
+      to_.cluster_begin.push_back(next);
+    }
+  }
+
+  // Returns the node that a triangle belongs to: of its corners that are clusters, or of all if there is none, the middle one.
+  int32_t owner_of(int32_t triangle) const {
+    std::array<int32_t, 3> nodes;
+    for (int32_t k = 0; k < 3; ++k) nodes[k] = to_.node_of_point[half_edges_.corner_point[3 * triangle + k]];
+    std::ranges::sort(nodes);
+    for (const size_t k : {size_t{1}, size_t{0}, size_t{2}})
+      if (is_cluster(nodes[k])) return nodes[k];
+    return nodes[1];
+  }
+
+  // Lists the triangles of each patch and of each cluster in the order of the mesh.
+  void place_triangles() {
+    const size_t count = half_edges_.corner_point.size() / 3;
+    to_.node_of_triangle.assign(count, -1);
+    to_.place.assign(count, -1);
+    to_.triangle_begin.assign(static_cast<size_t>(to_.patches()) + 1, 0);
+    to_.member_begin.assign(static_cast<size_t>(to_.clusters()) + 1, 0);
+    const auto for_each = [&](const auto &use) {
+      for (size_t t = 0; t < count; ++t) {
+        checkpoint_at(t);
+        if (const int32_t node = to_.node_of_triangle[t]; node >= 0) use(static_cast<int32_t>(t), node);
       }
     };
-    for (int32_t i = patches.patch_begin[p]; i < patches.patch_begin[p + 1]; ++i) {
-      for (int32_t k = 0; k < PointPatches::near_neighbors; ++k) link_to(patches.neighbor[PointPatches::near_neighbors * i + k]);
-      for (int32_t k = patches.more_begin[i]; k < patches.more_begin[i + 1]; ++k) link_to(patches.more[k]);
+    for (size_t t = 0; t < count; ++t) {
+      checkpoint_at(t);
+      if (half_edges_.corner_point[3 * t] >= 0) to_.node_of_triangle[t] = owner_of(static_cast<int32_t>(t));
     }
-    patches.link_begin.push_back(static_cast<int32_t>(patches.link.size()));
-    for (int32_t corner = 3 * patches.triangle_begin[p]; corner < 3 * patches.triangle_begin[p + 1]; ++corner)
-      if (patches.twin[corner] < 0) patches.edge.push_back(corner);
-    patches.edge_begin.push_back(static_cast<int32_t>(patches.edge.size()));
+    for_each([&](int32_t, int32_t node) {
+      ++(is_cluster(node) ? to_.member_begin[~to_.node[node] + 1] : to_.triangle_begin[to_.patch_of[node] + 1]);
+    });
+    for (std::vector<int32_t> *begin : {&to_.triangle_begin, &to_.member_begin})
+      std::partial_sum(begin->begin(), begin->end(), begin->begin());
+    to_.triangle.resize(static_cast<size_t>(to_.triangle_begin.back()));
+    to_.member.resize(static_cast<size_t>(to_.member_begin.back()));
+    std::vector<int32_t> next(to_.triangle_begin.begin(), to_.triangle_begin.end() - 1),
+        next_member(to_.member_begin.begin(), to_.member_begin.end() - 1);
+    for_each([&](int32_t t, int32_t node) {
+      if (is_cluster(node)) {
+        to_.member[next_member[~to_.node[node]]++] = t;
+        return;
+      }
+      to_.place[t] = next[to_.patch_of[node]]++;
+      to_.triangle[to_.place[t]] = t;
+    });
   }
-}
 
-PointPatches build_point_patches(const HalfEdges &half_edges) {
-  const PointNeighbors neighbors = find_point_neighbors(half_edges);
-  ClusterTree tree = build_point_tree(neighbors);
-  PointPatches patches;
-  patches.group_begin = cut_tree(tree, group_lanes);
-  patches.patch_begin = cut_tree(tree, PointPatches::most_points);
-  patches.point = std::move(tree.item);
-  for (int32_t p = 0; p < patches.patches(); ++p)
-    patches.patch_of.insert(patches.patch_of.end(), static_cast<size_t>(patches.patch_begin[p + 1] - patches.patch_begin[p]), p);
-  place_triangles(half_edges, tree.rank, patches);
-  place_neighbors(neighbors, tree.rank, patches);
-  link_patches(patches);
-  return patches;
+  void place_corners() {
+    constexpr int32_t boundary = -1, into_cluster = -2;
+    to_.corner.reserve(3 * (to_.triangle.size() + group_lanes));
+    to_.twin.reserve(3 * to_.triangle.size());
+    for (const int32_t t : to_.triangle) {
+      checkpoint_at(to_.twin.size());
+      for (int32_t half_edge = 3 * t; half_edge < 3 * t + 3; ++half_edge) {
+        const int32_t twin = half_edges_.twin[half_edge], behind = twin < 0 ? -1 : to_.place[twin / 3];
+        to_.corner.push_back(to_.node_of_point[half_edges_.corner_point[half_edge]]);
+        to_.twin.push_back(twin < 0 ? boundary : behind < 0 ? into_cluster : 3 * behind + twin % 3);
+      }
+    }
+    to_.corner.resize(3 * (to_.triangle.size() + group_lanes), 0);
+  }
+
+  void place_rims() {
+    to_.rim_begin.assign(1, 0);
+    for (int32_t k = 0; k < to_.clusters(); ++k) {
+      checkpoint_at(static_cast<size_t>(k));
+      for (int32_t i = to_.member_begin[k]; i < to_.member_begin[k + 1]; ++i)
+        for (int32_t half_edge = 3 * to_.member[i]; half_edge < 3 * to_.member[i] + 3; ++half_edge)
+          if (half_edges_.twin[half_edge] < 0) to_.rim.push_back(half_edge);
+      to_.rim_begin.push_back(static_cast<int32_t>(to_.rim.size()));
+    }
+  }
+
+  void place_neighbors() {
+    constexpr int32_t room = PointPatches::near_neighbors;
+    const int32_t nodes = to_.nodes();
+    to_.neighbor.assign(static_cast<size_t>(room) * static_cast<size_t>(nodes), nodes);
+    to_.more_begin.assign(1, 0);
+    std::vector<int32_t> mark(static_cast<size_t>(nodes), -1);
+    for (int32_t i = 0; i < nodes; ++i) {
+      checkpoint_at(static_cast<size_t>(i));
+      int32_t count = 0;
+      mark[i] = i;
+      for (int32_t p = node_begin_[i]; p < node_begin_[i + 1]; ++p)
+        for (int32_t k = order_.neighbors.begin[order_.tree.item[p]]; k < order_.neighbors.begin[order_.tree.item[p] + 1]; ++k) {
+          const int32_t other = to_.node_of_point[order_.neighbors.neighbor[k]];
+          if (std::exchange(mark[other], i) == i) continue;
+          if (count++ < room)
+            to_.neighbor[static_cast<size_t>(room) * static_cast<size_t>(i) + static_cast<size_t>(count) - 1] = other;
+          else
+            to_.more.push_back(other);
+        }
+      to_.more_begin.push_back(static_cast<int32_t>(to_.more.size()));
+    }
+  }
+
+  void link_patches() {
+    std::vector<int32_t> mark(static_cast<size_t>(to_.patches()), -1);
+    to_.link_begin.push_back(0);
+    to_.edge_begin.push_back(0);
+    for (int32_t p = 0; p < to_.patches(); ++p) {
+      checkpoint_at(static_cast<size_t>(p));
+      mark[p] = p;
+      const auto link_to = [&](int32_t other) {
+        if (other < to_.nodes() && std::exchange(mark[to_.patch_of[other]], p) != p) to_.link.push_back(to_.patch_of[other]);
+      };
+      for (int32_t i = to_.patch_begin[p]; i < to_.patch_begin[p + 1]; ++i) {
+        for (int32_t k = 0; k < PointPatches::near_neighbors; ++k) link_to(to_.neighbor[PointPatches::near_neighbors * i + k]);
+        for (int32_t k = to_.more_begin[i]; k < to_.more_begin[i + 1]; ++k) link_to(to_.more[k]);
+      }
+      to_.link_begin.push_back(static_cast<int32_t>(to_.link.size()));
+      for (int32_t corner = 3 * to_.triangle_begin[p]; corner < 3 * to_.triangle_begin[p + 1]; ++corner)
+        if (to_.twin[corner] == -1) to_.edge.push_back(corner);
+      to_.edge_begin.push_back(static_cast<int32_t>(to_.edge.size()));
+    }
+  }
+
+  const PointOrder &order_;
+  const HalfEdges &half_edges_;
+  const std::vector<int32_t> &node_begin_;
+  PointPatches to_;
+};
+
+} // namespace
+
+PointPatches build_point_patches(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin) {
+  return Builder(order, half_edges, node_begin).run();
 }
 
 } // namespace paradesc

@@ -12,48 +12,63 @@ inline namespace KERNEL_TARGET {
 
 // ---- The sphere
 
-// Finds the middle of the bounding box of a patch's points.
+// Finds the middle of the bounding box of the positions of a patch's nodes.
 inline void find_middle(const PatchArrays &surface, int32_t patch, float *middle) {
   for (int axis = 0; axis < 3; ++axis) {
     const float *const position = surface.position[axis];
     float low = position[surface.patch_begin[patch]], high = low;
-    for (int32_t point = surface.patch_begin[patch] + 1; point < surface.patch_begin[patch + 1]; ++point) {
-      low = std::min(low, position[point]);
-      high = std::max(high, position[point]);
+    for (int32_t node = surface.patch_begin[patch] + 1; node < surface.patch_begin[patch + 1]; ++node) {
+      low = std::min(low, position[node]);
+      high = std::max(high, position[node]);
     }
     middle[axis] = 0.5f * (low + high);
   }
 }
 
-inline float square_from(const PatchArrays &surface, int32_t point, const float *middle) {
+inline float square_from(const PatchArrays &surface, int32_t node, const float *middle) {
   float sum = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
-    const float gap = surface.position[axis][point] - middle[axis];
+    const float gap = surface.position[axis][node] - middle[axis];
     sum += gap * gap;
   }
   return sum;
 }
 
-// Finds the distances from the middle to the patch's points and to all corners of its triangles, plus a margin for rounding.
+// Finds the distances from the middle to the patch's nodes and to all corners of its triangles, plus a margin for rounding.
 inline void find_reach(const PatchArrays &surface, int32_t patch, const float *middle) {
   constexpr float rounding = 1.00001f;
   float own = 0.0f;
-  for (int32_t point = surface.patch_begin[patch]; point < surface.patch_begin[patch + 1]; ++point)
-    own = std::max(own, square_from(surface, point, middle));
-  float all = own;
+  for (int32_t node = surface.patch_begin[patch]; node < surface.patch_begin[patch + 1]; ++node)
+    own = std::max(own, std::sqrt(square_from(surface, node, middle)) + surface.node_reach[node]);
+  float all = own * own;
   for (int32_t k = 3 * surface.triangle_begin[patch]; k < 3 * surface.triangle_begin[patch + 1]; ++k)
     all = std::max(all, square_from(surface, surface.corner[k], middle));
   for (int axis = 0; axis < 3; ++axis) surface.sphere[axis][patch] = middle[axis];
   surface.sphere[3][patch] = rounding * std::sqrt(all);
-  surface.own_reach[patch] = rounding * std::sqrt(own);
+  surface.own_reach[patch] = rounding * own;
+}
+
+// Returns whether a triangle of the patch has an edge that is long against the radius.
+inline bool has_long_edge(const PatchArrays &surface, int32_t patch) {
+  if (2.0f * surface.sphere[3][patch] < surface.large) return false;
+  const float least = surface.large * surface.large;
+  for (int32_t t = surface.triangle_begin[patch]; t < surface.triangle_begin[patch + 1]; ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int32_t to = surface.corner[3 * t + (k + 1) % 3];
+      const float end[3] = {surface.position[0][to], surface.position[1][to], surface.position[2][to]};
+      if (square_from(surface, surface.corner[3 * t + k], end) >= least) return true;
+    }
+  return false;
 }
 
 // ---- The triangles
 
+constexpr float turning_square = 0.1f; // 18 degrees
+
 // Sixteen triangles. The last ones may be unused.
 struct alignas(64) RefitBlock {
-  float corner[3][3][group_lanes], normal[3][3][group_lanes]; // corners relative to the patch's origin
-  float noise[group_lanes], per_twice_area[group_lanes];
+  float corner[3][3][group_lanes], normal[3][3][group_lanes];               // corners relative to the patch's origin
+  float noise[group_lanes], per_twice_area[group_lanes], turn[group_lanes]; // turn: squared, between normals
   float moment[moments][group_lanes];
 };
 
@@ -69,6 +84,20 @@ inline void read_block(const PatchArrays &surface, const float *origin, int32_t 
       }
     block.noise[i] = surface.noise[first + i];
   }
+}
+
+// Returns the largest squared distance between the normals at the corners.
+inline Lanes farthest_square(const Lanes (&normal)[3][3]) {
+  Lanes farthest = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    Lanes square = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Lanes gap = normal[(k + 1) % 3][axis] - normal[k][axis];
+      square += gap * gap;
+    }
+    farthest = max(farthest, square);
+  }
+  return farthest;
 }
 
 // Replaces the normals at the corners such that linear interpolation has the unit normals at the edge midpoints. Between two
@@ -89,8 +118,47 @@ inline void straighten(Lanes (&normal)[3][3]) {
     for (int k = 0; k < 3; ++k) normal[k][axis] = middle[k][axis] + middle[(k + 2) % 3][axis] - middle[(k + 1) % 3][axis];
 }
 
-// The second moments of a triangle are a twelfth of its area times the products of its corners plus those of the corners' sum.
-inline void find_moments(RefitBlock &block, int first) {
+// The moments of normals, interpolated linearly between unit normals at corners and then normalized: means of n and of x n over a
+// triangle, by the edge midpoints of the four triangles that its own edge midpoints cut it into.
+struct NormalMoments {
+  Lanes n[3], xn[6];
+};
+inline NormalMoments turning_moments(const Lanes (&x)[4][3], const Lanes (&normal)[3][3]) {
+  NormalMoments sums{};
+  const auto add = [&](const float(&weights)[3], float share) {
+    Lanes n[3], at[3], square = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      n[axis] = weights[0] * normal[0][axis] + weights[1] * normal[1][axis] + weights[2] * normal[2][axis];
+      at[axis] = weights[0] * x[0][axis] + weights[1] * x[1][axis] + weights[2] * x[2][axis];
+      square += n[axis] * n[axis];
+    }
+    const Lanes scale = share * fast_inversesqrt(max(square, 1e-12f));
+    for (Lanes &component : n) component = component * scale;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int i = axis == 2 ? 1 : 0, k = axis == 0 ? 1 : 2; // xy, xz, yz
+      sums.n[axis] += n[axis];
+      sums.xn[axis] += at[axis] * n[axis];
+      sums.xn[3 + axis] += at[i] * n[k] + at[k] * n[i];
+    }
+  };
+  for (int k = 0; k < 3; ++k) {
+    float quarter[3] = {}, inner[3] = {0.25f, 0.25f, 0.25f};
+    quarter[k] = 0.75f;
+    inner[k] = 0.5f;
+    add(inner, 1.0f / 6.0f);
+    for (const int other : {(k + 1) % 3, (k + 2) % 3}) {
+      quarter[other] = 0.25f;
+      add(quarter, 1.0f / 12.0f);
+      quarter[other] = 0.0f;
+    }
+  }
+  return sums;
+}
+
+// Triangles that are large, the more so where normals turn, get zeros: the rim takes normals for linear. The second moments of a
+// triangle are a twelfth of its area times the products of its corners plus those of the corners' sum.
+inline void find_moments(RefitBlock &block, float large, int first) {
+  constexpr float finer = 0.5f;
   Lanes x[4][3], n[4][3]; // at the corners, and their sums
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < 3; ++k) x[k][axis] = load(block.corner[k][axis] + first);
@@ -99,13 +167,29 @@ inline void find_moments(RefitBlock &block, int first) {
   Lanes normal[3][3];
   for (int k = 0; k < 3; ++k)
     for (int axis = 0; axis < 3; ++axis) normal[k][axis] = load(block.normal[k][axis] + first);
+  const Lanes turn = farthest_square(normal);
+  const Choices is_turning = turn > turning_square;
+  NormalMoments turning;
+  const bool any_turns = any(is_turning);
+  if (any_turns) turning = turning_moments(x, normal);
+  store(block.turn + first, turn);
+  Lanes unit[3][3];
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) unit[k][axis] = normal[k][axis];
   straighten(normal);
   for (int axis = 0; axis < 3; ++axis) {
-    for (int k = 0; k < 3; ++k) store(block.normal[k][axis] + first, n[k][axis] = normal[k][axis]);
+    for (int k = 0; k < 3; ++k) {
+      n[k][axis] = normal[k][axis];
+      store(block.normal[k][axis] + first, mix(normal[k][axis], unit[k][axis], is_turning));
+    }
     n[3][axis] = n[0][axis] + n[1][axis] + n[2][axis];
   }
   const auto side = [&](int k) { return Vector<3, Lanes>(x[k][0] - x[0][0], x[k][1] - x[0][1], x[k][2] - x[0][2]); };
-  const Lanes square = square_of(cross(side(1), side(2))), root = fast_inversesqrt(max(square, 1e-36f));
+  const Vector<3, Lanes> to_next = side(1), to_previous = side(2);
+  const Lanes longest = max(max(square_of(to_next), square_of(to_previous)), square_of(to_next - to_previous));
+  const Lanes square = square_of(cross(to_next, to_previous));
+  const Lanes root = mix(0.0f, fast_inversesqrt(max(square, 1e-36f)),
+                         longest * (1.0f + finer * max(turn - turning_square, 0.0f)) < large * large);
   const Lanes area = 0.5f * square * root, third = area * (1.0f / 3.0f), twelfth = area * (1.0f / 12.0f);
   const auto put = [&](int moment, const Lanes &value) { store(block.moment[moment] + first, value); };
   const auto product = [&](const Lanes(&a)[4][3], int i, const Lanes(&b)[4][3], int k) {
@@ -121,6 +205,13 @@ inline void find_moments(RefitBlock &block, int first) {
     put(moment_xx + 3 + axis, product(x, i, x, k));
     put(moment_xn + axis, product(x, axis, n, axis));
     put(moment_xn + 3 + axis, product(x, i, n, k) + product(x, k, n, i));
+  }
+  const auto put_turning = [&](int moment, const Lanes &mean) {
+    put(moment, mix(load(block.moment[moment] + first), area * mean, is_turning));
+  };
+  for (int k = 0; any_turns && k < 6; ++k) {
+    if (k < 3) put_turning(moment_n + k, turning.n[k]);
+    put_turning(moment_xn + k, turning.xn[k]);
   }
   put(moment_facet, area * area);
   put(moment_noise, area * load(block.noise + first));
@@ -138,17 +229,22 @@ inline void write_triangle(const PatchArrays &surface, int32_t triangle, const R
     }
   rim.area = block.moment[moment_area][i];
   rim.per_twice_area = block.per_twice_area[i];
+  surface.turning[triangle] = block.turn[i] > turning_square ? -1 : 0;
 }
 
 inline void refit_triangles(const PatchArrays &surface, int32_t patch, const float *normals) {
   const float origin[3] = {surface.origin[0][patch], surface.origin[1][patch], surface.origin[2][patch]};
   MomentRow of_patch = {};
   RefitBlock block;
+  surface.has_listed[patch] = 0;
   for (int32_t first = surface.triangle_begin[patch]; first < surface.triangle_begin[patch + 1]; first += group_lanes) {
     const int32_t count = std::min<int32_t>(group_lanes, surface.triangle_begin[patch + 1] - first);
     read_block(surface, origin, first, count, normals + 9 * (first - surface.triangle_begin[patch]), block);
-    for (int lane = 0; lane < group_lanes; lane += lane_count) find_moments(block, lane);
-    for (int32_t i = 0; i < count; ++i) write_triangle(surface, first + i, block, i, of_patch);
+    for (int lane = 0; lane < group_lanes; lane += lane_count) find_moments(block, surface.large, lane);
+    for (int32_t i = 0; i < count; ++i) {
+      write_triangle(surface, first + i, block, i, of_patch);
+      if (!(block.moment[moment_area][i] > 0.0f)) surface.has_listed[patch] = 1;
+    }
   }
   surface.moment[surface.row_of_patch(patch)] = of_patch;
 }
@@ -157,7 +253,8 @@ inline void refit_triangles(const PatchArrays &surface, int32_t patch, const flo
 inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last) {
   constexpr float near = 8.0f;
   float largest = 0.0f, square = 0.0f, middle[3];
-  for (int32_t patch = first; patch < last; ++patch) largest = std::max(largest, surface.sphere[3][patch]);
+  for (int32_t patch = first; patch < last; ++patch)
+    largest = std::max(largest, std::min(surface.sphere[3][patch], surface.large));
   for (int axis = 0; axis < 3; ++axis) {
     const auto [low, high] = std::minmax_element(surface.sphere[axis] + first, surface.sphere[axis] + last);
     middle[axis] = 0.5f * (*low + *high);
@@ -169,13 +266,19 @@ inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last
     for (int axis = 0; axis < 3; ++axis) surface.origin[axis][patch] = apart ? surface.sphere[axis][patch] : middle[axis];
 }
 
-inline void refit(const PatchArrays &surface, int32_t node, const float *normals) {
+inline void refit_spheres(const PatchArrays &surface, int32_t node) {
   const int32_t first = group_lanes * node, last = std::min(first + group_lanes, surface.patches);
   for (int32_t patch = first; patch < last; ++patch) {
     float middle[3];
     find_middle(surface, patch, middle);
     find_reach(surface, patch, middle);
+    surface.has_long_edge[patch] = has_long_edge(surface, patch);
   }
+}
+
+inline void refit(const PatchArrays &surface, int32_t node, const float *normals) {
+  refit_spheres(surface, node);
+  const int32_t first = group_lanes * node, last = std::min(first + group_lanes, surface.patches);
   find_origins(surface, first, last);
   for (int32_t patch = first; patch < last; ++patch)
     refit_triangles(surface, patch, normals + 9 * (surface.triangle_begin[patch] - surface.triangle_begin[first]));

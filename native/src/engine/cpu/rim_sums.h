@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "engine/cpu/ball_sums.h"
 #include "engine/kernels/lane_memory.h"
@@ -85,8 +86,46 @@ inline Cut cut_of(const RimCenter &center, const Vector<3, Lanes> &alone, const 
   return cut;
 }
 
+// The normals of a triangle, interpolated linearly between unit normals at the corners and then normalized. The squared length of
+// an interpolated normal falls by the product of two weights times the squared distance of their normals.
+struct TurningNormals {
+  Flat alone, to_next, to_previous;
+  Lanes next, previous, across; // squared distances: alone to next, alone to previous, next to previous
+
+  TurningNormals(const RimCenter &center, const Vector<3, Lanes> (&normal)[3]) {
+    const Vector<3, Lanes> first = normal[1] - normal[0], second = normal[2] - normal[0];
+    alone = flat(center, normal[0]);
+    to_next = flat(center, first);
+    to_previous = flat(center, second);
+    next = square_of(first);
+    previous = square_of(second);
+    across = square_of(first - second);
+  }
+  // Returns the normal at a place, by weights of the next corner and of the previous one.
+  Flat at(const Lanes &b, const Lanes &c) const {
+    const Lanes loss = (1.0f - b - c) * (b * next + c * previous) + b * c * across;
+    return fast_inversesqrt(max(1.0f - loss, 1e-6f)) * (alone + b * to_next + c * to_previous);
+  }
+};
+
+// Adds the triangle at the alone corner by the edge midpoints of the four triangles that its own edge midpoints cut it into.
+inline void add_turning_corner(const Lanes &area, const Flat &x, const Flat &to_p, const Flat &to_q, const Cut &cut,
+                               const TurningNormals &normals, RimSums &sums) {
+  const auto add = [&](float share, float of_p, float of_q) {
+    const Lanes b = of_p * cut.p, c = of_q * cut.q;
+    add_products(share * area, x + Lanes(of_p) * to_p + Lanes(of_q) * to_q, normals.at(b, c), sums);
+  };
+  constexpr float inner = 1.0f / 6.0f, outer = 1.0f / 12.0f;
+  for (const auto &[of_p, of_q] : {std::pair{0.25f, 0.25f}, {0.5f, 0.25f}, {0.25f, 0.5f}}) add(inner, of_p, of_q);
+  for (const float near : {0.25f, 0.75f}) {
+    add(outer, near, 0.0f);
+    add(outer, 0.0f, near);
+    add(outer, near, 1.0f - near);
+  }
+}
+
 // Adds at most one vector of lanes. bases: alone corners in RimTriangles.
-template <bool with_noise>
+template <bool turning, bool with_noise>
 [[gnu::always_inline]] inline void add_rim_lanes(const RimCenter &center, const float *const *bases, const float *areas,
                                                  const float *per_twice_areas, const float *noises, RimSums &sums) {
   constexpr size_t next = 3 * sizeof(float), previous = 6 * sizeof(float), normal = offsetof(RimTriangle, normal);
@@ -98,16 +137,26 @@ template <bool with_noise>
   const Lanes third = area * cut.p * cut.q * (1.0f / 3.0f), of_corner = turn_sign(third, cut.outside);
   const Lanes half_p = 0.5f * cut.p, half_q = 0.5f * cut.q;
   const Flat x = flat(center, alone), along_p = half_p * flat(center, to[0]), along_q = half_q * flat(center, to[1]);
-  const Flat n = flat(center, first3(gather<normal>(bases)));
-  const Flat turn_p = half_p * (flat(center, first3(gather<normal + next>(bases))) - n);
-  const Flat turn_q = half_q * (flat(center, first3(gather<normal + previous>(bases))) - n);
+  const Vector<3, Lanes> normals[3] = {first3(gather<normal>(bases)), first3(gather<normal + next>(bases)),
+                                       first3(gather<normal + previous>(bases))};
+  const Lanes arc = cut.arc * (1.0f + 0.1f * cut.angle);
+  const Flat chord_middle = x + along_p + along_q;
   // The mean of a quadratic over a triangle is the mean of its values at the edge midpoints. The segment between chord and arc
   // has its centroid beyond the middle of the chord, by two fifths of the arc's height. Its variance along the chord is a
   // twentieth of the chord's square.
-  add_products(of_corner, x + along_p, n + turn_p, sums);
-  add_products(of_corner, x + along_q, n + turn_q, sums);
-  add_products(of_corner + cut.arc * (1.0f + 0.1f * cut.angle), x + along_p + along_q, n + turn_p + turn_q, sums);
-  add_products(cut.arc * 0.2f, along_q - along_p, turn_q - turn_p, sums);
+  if constexpr (turning) {
+    const TurningNormals normal_of(center, normals);
+    add_turning_corner(3.0f * of_corner, x, along_p + along_p, along_q + along_q, cut, normal_of, sums);
+    add_products(arc, chord_middle, normal_of.at(half_p, half_q), sums);
+    add_products(cut.arc * 0.2f, along_q - along_p, half_q * normal_of.to_previous - half_p * normal_of.to_next, sums);
+  } else {
+    const Flat n = flat(center, normals[0]), turn_p = half_p * (flat(center, normals[1]) - n),
+               turn_q = half_q * (flat(center, normals[2]) - n);
+    add_products(of_corner, x + along_p, n + turn_p, sums);
+    add_products(of_corner, x + along_q, n + turn_q, sums);
+    add_products(of_corner + arc, chord_middle, n + turn_p + turn_q, sums);
+    add_products(cut.arc * 0.2f, along_q - along_p, turn_q - turn_p, sums);
+  }
   const Lanes part = 3.0f * of_corner + cut.arc;
   sums.area += part;
   if constexpr (with_noise) {
@@ -117,7 +166,7 @@ template <bool with_noise>
 }
 
 // corners: as in GroupLists, with room to fill up the last lanes.
-template <bool with_noise>
+template <bool turning, bool with_noise>
 void add_rim(const PatchArrays &surface, const RimCenter &center, int32_t *corners, int32_t count, float (&to)[ball_sums]) {
   constexpr int32_t row = sizeof(RimTriangle) / sizeof(float), parts = group_lanes / lane_count;
   const float *const rims = surface.rim[0].corner[0];
@@ -140,7 +189,7 @@ void add_rim(const PatchArrays &surface, const RimCenter &center, int32_t *corne
       per_twice_areas[lane] = triangle[offsetof(RimTriangle, per_twice_area) / sizeof(float)];
       if constexpr (with_noise) noises[lane] = surface.noise[corner / row];
     }
-    add_rim_lanes<with_noise>(center, bases, areas, per_twice_areas, noises, sums[i / lane_count % parts]);
+    add_rim_lanes<turning, with_noise>(center, bases, areas, per_twice_areas, noises, sums[i / lane_count % parts]);
   }
   const auto fold_all = [&](auto member) {
     Lanes lanes[parts];

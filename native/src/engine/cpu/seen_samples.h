@@ -16,13 +16,16 @@ constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
 struct Seen {
   Vector<3, Lanes> offset, along[2], normal, normal_along[2], face;
   Lanes area, per_area, noise, facet;
+  Choices is_cluster;
 
   [[gnu::always_inline]] Seen(const FlatSample *const *samples, const Vector<3, Lanes> &center) {
     const Vector<4, Lanes> position = gather<offsetof(FlatSample, position)>(samples);
     offset = first3(position) - center;
     area = position.w;
     per_area = 1.0f / max(area, 1e-30f);
-    normal = first3(gather<offsetof(FlatSample, normal)>(samples));
+    const Vector<4, Lanes> with_kind = gather<offsetof(FlatSample, normal)>(samples);
+    normal = first3(with_kind);
+    is_cluster = with_kind.w > 0.0f;
     along[0] = first3(gather<offsetof(FlatSample, along[0])>(samples));
     along[1] = first3(gather<offsetof(FlatSample, along[1])>(samples));
     normal_along[0] = first3(gather<offsetof(FlatSample, normal_along[0])>(samples));
@@ -68,6 +71,41 @@ struct Part {
   Lanes chord;          // squared length between the points where the rim meets the sample's edges; 0 if it does not
   Lanes chord_place[2]; // the middle of the chord
 };
+
+// Returns the part of a cluster in the ball. Its outline is unknown, so its area is taken to vary along the distance from the
+// center as that of a disk does, approximately, with the distance's mean and variance. to_mean, distance: of the mean position
+// and of the corners, whose variance is four times that of the cluster.
+inline Part clip_cluster(const Seen &seen, const Lanes &to_mean, const Lanes (&distance)[3], float radius) {
+  constexpr float per_squares = 1.0f / 12.0f; // the sum of the corners' squared coefficients along each direction
+  const Lanes mean = 0.75f * to_mean + 0.25f * (distance[0] + distance[1] + distance[2]) * (1.0f / 3.0f);
+  const Lanes slope[2] = {(distance[1] + distance[2] - 2.0f * distance[0]) * (root2 * per_squares),
+                          (distance[1] - distance[2]) * (root6 * per_squares)};
+  const Lanes per_deviation = fast_inversesqrt(max(slope[0] * slope[0] + slope[1] * slope[1], 1e-24f));
+  constexpr float width = 2.236068f, per_width = 1.0f / width;
+  const Lanes at = max(min((radius - mean) * per_deviation * per_width, 1.0f), -1.0f), rest = 1.0f - at * at;
+  const Lanes share = 0.5f + at * (0.75f - 0.25f * at * at), moment = (-0.1875f * width) * rest * rest;
+  const Lanes per_share = fast_inversesqrt(max(share, 1e-12f)), inner = moment * per_share * per_share * per_deviation;
+  Part part;
+  part.area = seen.area * share;
+  // The distance grows more slowly across the rim where the surface leans.
+  const Lanes height = dot(seen.offset, seen.face),
+              flat = max(1.0f - height * height / max(square_of(seen.offset), 1e-30f), 0.0f);
+  const Lanes chord = seen.area * (0.75f * per_width) * rest * per_deviation * fast_sqrt(flat);
+  part.chord = chord * chord;
+  for (int k = 0; k < 2; ++k) {
+    part.place[k] = inner * slope[k];
+    part.chord_place[k] = at * width * per_deviation * slope[k];
+  }
+  return part;
+}
+
+inline Part mix(const Part &a, const Part &b, const Choices &choice) {
+  const auto choose = [&](const Lanes &of_a, const Lanes &of_b) { return mix(of_a, of_b, choice); };
+  return {choose(a.area, b.area),
+          {choose(a.place[0], b.place[0]), choose(a.place[1], b.place[1])},
+          choose(a.chord, b.chord),
+          {choose(a.chord_place[0], b.chord_place[0]), choose(a.chord_place[1], b.chord_place[1])}};
+}
 
 // Finds the point where the edge from one corner to another meets the rim, as the fraction above / below. beyond: how far the
 // squared distances of both corners are below that of the rim. The squared distance along the edge is quadratic.

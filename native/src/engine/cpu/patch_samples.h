@@ -1,0 +1,40 @@
+// The triangles and clusters of a surface, in the order of its patches → the samples of those that are summed one by one.
+#pragma once
+
+#include <vector>
+
+#include "descriptor/passes.h"
+#include "engine/cpu/patch_surface.h"
+#include "engine/cpu/point_patches.h"
+#include "engine/cpu/triangle_samples.h"
+
+namespace paradesc {
+
+// A surface at one time, and the values of a map at its points. All of it is borrowed.
+struct SampledSurface {
+  const PointPatches &patches;
+  const PatchSurface &surface;
+  const PatchSurface::Mesh &mesh;
+  const MapValues *map; // or null
+  int threads;
+
+  SampledTriangle triangle(int32_t place) const; // index in the order of the patches
+  Sample cluster(int32_t index) const;
+  SampleMap map_of_cluster(int32_t index, const Sample &sample) const;
+};
+
+// The triangles that are summed one by one: all, or only those that have no moments since they are large. All clusters are, too.
+enum class SampledTriangles { all, large };
+
+struct PatchSamples {
+  std::vector<int32_t> item;  // a triangle in the order of the patches, or ~i: cluster i; those without area are left out
+  std::vector<int32_t> begin; // (patches + 1) into item
+  std::vector<int32_t> first; // (items + 1) into list; a triangle without samples there is divided by each group of centers
+  SampleList list;
+};
+
+// Returns about how many samples the list will have.
+double count_samples(const SampledSurface &surface, const SampleLimit &limit, SampledTriangles which);
+PatchSamples list_samples(const SampledSurface &surface, const SampleLimit &limit, SampledTriangles which);
+
+} // namespace paradesc

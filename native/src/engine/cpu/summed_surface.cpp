@@ -1,0 +1,157 @@
+// Nodes → patches → samples → groups of centers → values.
+#include "engine/cpu/summed_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "descriptor/registry.h"
+#include "engine/cpu/center_values.h"
+#include "engine/cpu/exact_pass.h"
+#include "engine/cpu/point_clusters.h"
+#include "engine/memory.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+static constexpr int points_of_block = 4096;
+
+// Returns the resolution that a pass needs. Areas are cut off sharply at the rim, where the errors of clusters do not average
+// out. They need five times as many samples, and triangles half as large. Extrapolation also uses half of the radius, which then
+// has as many samples as the radius otherwise. Bending is dominated by the surface near the center, and needs half as many
+// samples again. Curvature hardly depends on the size of triangles, or on the details within a cluster.
+Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
+  const auto any = [&](std::string_view terms) {
+    return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
+  };
+  if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
+  if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
+  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.9f;
+  if (options.estimator == PDESC_ESTIMATOR_INTEGRAL || any("area")) return {5 * options.samples, half_as_large};
+  if (any("bending")) return {3 * options.samples / 2};
+  if (pass.stage == Stage::source) return {options.samples};
+  return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
+}
+
+static bool has_moments(const PassInputs &of) { return of.plan(of.pass.rows).kind == SumKind::fit; }
+
+// Returns the largest spread of a sample. Operators read a map, whose derivatives magnify what samples leave out.
+static float largest_spread(const PassInputs &of) {
+  constexpr float least = 1e-13f;                      // floats cannot resolve smaller pieces
+  constexpr float without_map = 2.0f, with_map = 1.0f; // relative to the squared radius over the number of samples
+  const auto samples = static_cast<float>(fineness_of(of.pass, of.request.options).samples);
+  return std::max((of.map ? with_map : without_map) * of.scaled_radius() * of.scaled_radius() / samples, least);
+}
+
+static SampleLimit limit_of(const PassInputs &of) {
+  return {fineness_of(of.pass, of.request.options).triangles * largest_spread(of)};
+}
+
+// share_of_clusters: share of the triangles. The rim cuts triangles exactly, so only clusters leave noise to be reduced.
+static EvaluateParams params_of(const PassInputs &of, float share_of_clusters) {
+  const pdesc_options &options = of.request.options;
+  EvaluateParams params{};
+  params.radius = of.scaled_radius();
+  if (options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE) params.variate_share = share_of_clusters;
+  params.map_radius = static_cast<float>(of.request.radius * of.space.scale);
+  params.map_sigma = static_cast<float>(options.map_sigma) * params.map_radius;
+  params.harris_k = static_cast<float>(options.harris_k);
+  return params;
+}
+
+// Throws if so many samples do not fit. The mesh's counts cannot predict this, since maps may displace a surface arbitrarily far.
+static void check_samples(const PassInputs &of, double count) {
+  const int64_t of_sample = bytes_of_sample + (of.map ? 2 * static_cast<int64_t>(sizeof(SampleMap)) : 0);
+  check_memory(of.resources.memory_limit, "A surface that about " + std::to_string(std::llround(count)) + " samples stand for",
+               "use a larger radius, fewer samples, or maps that displace less", std::llround(count) * of_sample, 0);
+}
+
+// Returns the mean unit normals of the faces around each point, weighted by area.
+static std::vector<vec3> facing_of(const PassInputs &of) {
+  const HalfEdges &half_edges = of.surface.half_edges;
+  std::vector<vec3> facing(static_cast<size_t>(half_edges.point_count));
+  parallel_blocks(half_edges.point_count, of.resources.threads, points_of_block, [&](int begin, int end) {
+    for (int point = begin; point < end; ++point) {
+      vec3 sum(0.0f);
+      float area = 0.0f;
+      const int32_t first = half_edges.point_half_edge[point];
+      for (int32_t corner = first; corner >= 0;) {
+        const int32_t t = corner / 3;
+        const vec3 a = of.surface.triangles.position(3 * t);
+        const vec3 plane = cross(of.surface.triangles.position(3 * t + 1) - a, of.surface.triangles.position(3 * t + 2) - a);
+        sum += plane;
+        area += length(plane);
+        corner = half_edges.twin[previous_corner(corner)];
+        if (corner == first) break;
+      }
+      facing[point] = area > 0.0f ? sum / area : vec3(0.0f);
+    }
+  });
+  return facing;
+}
+
+static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &order) {
+  const HalfEdges &half_edges = of.surface.half_edges;
+  std::vector<vec3> positions(static_cast<size_t>(half_edges.point_count));
+  parallel_blocks(half_edges.point_count, of.resources.threads, points_of_block, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      positions[i] = of.space.to_buffer(of.surface.triangles.positions[half_edges.point_vertex[i]]);
+  });
+  // With moments, single triangles are exact, so that clusters are most of the error. The shape operator of a rough surface adds
+  // up in them; other values see how the faces within them turn.
+  const ClusterLimit limit{(has_moments(of) ? 0.5f : 1.0f) * largest_spread(of),
+                           fineness_of(of.pass, of.request.options).coherence};
+  PointSurface surface{positions, of.surface.normals().point, {}};
+  std::vector<vec3> facing;
+  if (!has_moments(of)) {
+    facing = facing_of(of);
+    surface.facing = facing;
+  }
+  return plan_nodes(order, surface, limit, of.resources.threads);
+}
+
+static const PointPatches &patches_of(const PassInputs &of, const PointOrder &order, SummedMesh &kept) {
+  const std::pair key(of.surface.topology_version, plan_nodes(of, order));
+  return kept.patches.get(key, [&] { return build_point_patches(order, of.surface.half_edges, key.second); });
+}
+
+static const PatchSurface &refit(const PassInputs &of, const PatchSurface::Mesh &mesh, const PointPatches &patches,
+                                 PatchSurface &surface) {
+  // A ball reaches beyond an edge with both ends outside by an eighth of its squared length over the radius. Moments leave that
+  // out; areas need it.
+  const float large = has_moments(of) ? 1.0f : 0.35f; // of the radius
+  surface.refit(patches, mesh, ball_targets()[0], {large * of.scaled_radius(), has_moments(of), asks_for_noise(of.pass.rows)},
+                of.resources.threads);
+  return surface;
+}
+
+SummedSurface::SummedSurface(const PassInputs &of, SummedMesh &kept)
+    : of_(of), mesh_{of.surface.triangles, of.surface.half_edges, of.surface.normals(), of.space},
+      order_(kept.order.get(of.surface.topology_version, [&] { return order_points(of.surface.half_edges); })),
+      patches_(patches_of(of, order_, kept)), sampled_{patches_, refit(of, mesh_, patches_, kept.surface), mesh_, of.map,
+                                                       of.resources.threads},
+      limit_(limit_of(of)),
+      params_(params_of(of, patches_.member.empty()
+                                ? 0.0f
+                                : static_cast<float>(patches_.member.size()) /
+                                      static_cast<float>(patches_.member.size() + patches_.triangle.size()))) {
+  const SampledTriangles which = has_moments(of) ? SampledTriangles::large : SampledTriangles::all;
+  check_samples(of, count_samples(sampled_, limit_, which));
+  samples_ = list_samples(sampled_, limit_, which);
+}
+
+CenterResults SummedSurface::at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
+                                const std::function<void(double)> &progress) const {
+  CenterResults results = unknown_results(centers.size(), rows);
+  const bool are_points = centers.size() == order_.tree.item.size() && centers[0].point >= 0;
+  const CenterGroups groups =
+      are_points ? join_groups({order_.tree.item, group_points(order_, group_lanes)}, centers, of_.scaled_radius())
+                 : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
+  evaluate_exactly({patches_, sampled_.surface, samples_, sampled_, limit_, centers, groups,
+                    of_.surface.half_edges.triangle_piece, map, ball_targets()[0], sum_targets()[0], of_.plan(rows), params_,
+                    rows, of_.resources.threads, progress},
+                   results);
+  return results;
+}
+
+} // namespace paradesc

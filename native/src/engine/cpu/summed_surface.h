@@ -1,0 +1,73 @@
+// A surface as one pass sums over it → values at centers.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "bake/distortion.h"
+#include "descriptor/passes.h"
+#include "engine/cpu/finish.h"
+#include "engine/cpu/groups.h"
+#include "engine/cpu/patch_samples.h"
+#include "engine/engine.h"
+#include "support/keyed.h"
+
+namespace paradesc {
+
+// The inputs of one pass.
+struct PassInputs {
+  const Surface &surface;
+  const Request &request;
+  const BakeSpace &space;
+  const Pass &pass;
+  const MapValues *map; // or null
+  const Resources &resources;
+
+  // The radius in units of the positions, and in those of the space.
+  double radius() const { return radius_of(pass, request.options, request.radius); }
+  float scaled_radius() const { return static_cast<float>(radius() * space.scale); }
+  SumPlan plan(std::span<const int> rows) const { return plan_sums(rows, request.options, pass.stage == Stage::windows); }
+};
+
+// The resolution of a surface. A disk of the radius has about `samples` samples. The rim cuts triangles exactly, so these may be
+// larger than clusters. They may be much larger for values that do not depend on the last percent of an area, or on the center's
+// immediate surroundings.
+struct Fineness {
+  int samples;
+  float triangles = 1.5f;   // largest spread of a triangle, relative to that of a cluster
+  float coherence = 0.995f; // least squared length of a cluster's mean normal, so that it hides no detail
+  friend bool operator==(const Fineness &, const Fineness &) = default;
+};
+Fineness fineness_of(const Pass &pass, const pdesc_options &options);
+
+// Samples are stored in growing parts and in one list.
+inline constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
+
+// What is kept of a mesh from one pass to the next.
+struct SummedMesh {
+  Keyed<uint64_t, PointOrder> order;                                      // by the topology's version
+  Keyed<std::pair<uint64_t, std::vector<int32_t>>, PointPatches> patches; // by that, and the nodes
+  PatchSurface surface;                                                   // of the last pass
+};
+
+class SummedSurface {
+public:
+  // All arguments are borrowed. Throws Error if there is too little memory.
+  SummedSurface(const PassInputs &of, SummedMesh &kept);
+
+  // map: values at the centers, if there is a map.
+  CenterResults at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
+                   const std::function<void(double)> &progress) const;
+
+private:
+  const PassInputs &of_;
+  PatchSurface::Mesh mesh_;
+  const PointOrder &order_;
+  const PointPatches &patches_;
+  SampledSurface sampled_;
+  SampleLimit limit_;
+  EvaluateParams params_;
+  PatchSamples samples_;
+};
+
+} // namespace paradesc

@@ -1,0 +1,88 @@
+// A mesh with the order of its points, its nodes and its patches, as the exact pass sums over it.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "engine/cpu/ball_sums.h"
+#include "engine/cpu/patch_samples.h"
+#include "engine/cpu/patch_surface.h"
+#include "engine/cpu/point_clusters.h"
+#include "engine/cpu/point_patches.h"
+#include "mesh/extent.h"
+#include "mesh/halfedge.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
+
+namespace paradesc::test {
+
+struct PatchedMesh {
+  explicit PatchedMesh(Triangles from, int32_t kind_of_normals = PDESC_NORMALS_FITTED)
+      : triangles(std::move(from)), half_edges(build_half_edges(triangles)),
+        normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), kind_of_normals, 1)),
+        space(bake_space_of(measure_extent(triangles, half_edges, 1).box)), order(order_points(half_edges)) {}
+
+  std::vector<vec3> positions() const { // of points, in the units of the space
+    std::vector<vec3> found;
+    for (const int32_t vertex : half_edges.point_vertex)
+      found.push_back(space.to_buffer(triangles.positions[static_cast<size_t>(vertex)]));
+    return found;
+  }
+  float scaled(double radius) const { return static_cast<float>(radius * space.scale); }
+  PatchSurface::Mesh mesh() const { return {triangles, half_edges, normals, space}; }
+
+  std::vector<int32_t> single_points() const {
+    std::vector<int32_t> begin(static_cast<size_t>(order.points()) + 1);
+    std::iota(begin.begin(), begin.end(), 0);
+    return begin;
+  }
+  std::vector<int32_t> nodes(const ClusterLimit &limit, int threads = 2) const {
+    const std::vector<vec3> at = positions();
+    return plan_nodes(order, {at, normals.point, {}}, limit, threads);
+  }
+  PointPatches patches(const std::vector<int32_t> &node_begin) const {
+    return build_point_patches(order, half_edges, node_begin);
+  }
+
+  Triangles triangles;
+  HalfEdges half_edges;
+  Normals normals;
+  BakeSpace space;
+  PointOrder order;
+};
+
+// The surface of one pass and its samples. It borrows the mesh.
+struct ListedSurface {
+  ListedSurface(const PatchedMesh &of, PointPatches patches_, const PatchSurface::Needs &needs, const SampleLimit &limit_,
+                SampledTriangles which_, const BallTarget &target = ball_targets()[0], int threads = 2,
+                const MapValues *map = nullptr)
+      : patches(std::move(patches_)), limit(limit_), which(which_),
+        mesh(of.mesh()), sampled{patches, surface, mesh, map, threads} {
+    surface.refit(patches, mesh, target, needs, threads);
+    samples = list_samples(sampled, limit, which);
+  }
+  ListedSurface(const ListedSurface &) = delete;
+
+  // Adds the samples of triangles that are not stored, since they are too many.
+  SampleList all_samples() const {
+    SampleList all;
+    all.sample = samples.list.sample;
+    all.map = samples.list.map;
+    for (size_t i = 0; i < samples.item.size(); ++i)
+      if (samples.first[i] == samples.first[i + 1])
+        divide_triangle(sampled.triangle(samples.item[i]), limit, {}, sampled.map != nullptr, all);
+    return all;
+  }
+
+  PointPatches patches;
+  SampleLimit limit;
+  SampledTriangles which;
+  PatchSurface::Mesh mesh;
+  PatchSurface surface;
+  SampledSurface sampled;
+  PatchSamples samples;
+};
+
+} // namespace paradesc::test
