@@ -133,7 +133,7 @@ TEST(ShaderFolder, of_texts_is_compiled_and_linked_by_this_device) {
       texts[stages.back().path] = text;
     }
     try {
-      thread->run([&](const Gl &gl, ProgramCache &programs) { programs.get(gl, name, stages, texts); });
+      thread->run([&, &name = name](const Gl &gl, ProgramCache &programs) { programs.get(gl, name, stages, texts); });
     } catch (const Error &error) {
       ADD_FAILURE() << error.what();
     }
