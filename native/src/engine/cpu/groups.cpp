@@ -48,27 +48,54 @@ CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &cen
   return groups;
 }
 
-CenterGroups join_groups(const CenterGroups &groups, const TreeCenters &centers, float radius) {
-  CenterGroups joined{groups.center, {0}};
-  vec3 low(std::numeric_limits<float>::max()), high(-low);
+namespace {
+
+struct Extent {
+  vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
+  void add(vec3 position) {
+    low = glm::min(low, position);
+    high = glm::max(high, position);
+  }
+  void add(const Extent &other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+  }
+  float half() const { return 0.5f * length(high - low); }
+};
+
+} // namespace
+
+CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, float radius) {
+  constexpr float widest = 4.0f; // half of the diagonal over the radius, beyond which a group is divided
+  CenterGroups fitted{groups.center, {0}};
+  const auto begin_at = [&](int32_t i) {
+    if (i > fitted.begin.back()) fitted.begin.push_back(i);
+  };
+  Extent joined;
   for (size_t g = 0; g + 1 < groups.begin.size(); ++g) {
     checkpoint_at(g);
-    vec3 own_low(std::numeric_limits<float>::max()), own_high(-own_low);
-    for (int32_t i = groups.begin[g]; i < groups.begin[g + 1]; ++i) {
-      own_low = glm::min(own_low, centers[groups.center[i]].position);
-      own_high = glm::max(own_high, centers[groups.center[i]].position);
+    const int32_t first = groups.begin[g], last = groups.begin[g + 1];
+    Extent own, both = joined;
+    for (int32_t i = first; i < last; ++i) own.add(centers[groups.center[i]].position);
+    both.add(own);
+    if (last - fitted.begin.back() <= group_lanes && both.half() <= max_width * radius) {
+      joined = both;
+      continue;
     }
-    low = glm::min(low, own_low);
-    high = glm::max(high, own_high);
-    const bool is_full =
-        groups.begin[g + 1] - joined.begin.back() > group_lanes || length(high - low) > 2.0f * max_width * radius;
-    if (!is_full || groups.begin[g] == joined.begin.back()) continue;
-    joined.begin.push_back(groups.begin[g]);
-    low = own_low;
-    high = own_high;
+    begin_at(first);
+    joined = own;
+    if (own.half() <= widest * radius) continue;
+    joined = {};
+    for (int32_t i = first; i < last; ++i) {
+      joined.add(centers[groups.center[i]].position);
+      if (joined.half() <= widest * radius) continue;
+      begin_at(i);
+      joined = {};
+      joined.add(centers[groups.center[i]].position);
+    }
   }
-  if (!groups.center.empty()) joined.begin.push_back(groups.begin.back());
-  return joined;
+  begin_at(static_cast<int32_t>(groups.center.size()));
+  return fitted;
 }
 
 } // namespace paradesc

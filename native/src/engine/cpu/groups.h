@@ -29,7 +29,7 @@ struct CenterGroups {
 CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &centers, float radius, int32_t most);
 
 // Joins groups that follow each other while they have at most group_lanes centers and are no wider than that, such as small parts
-// of a mesh.
-CenterGroups join_groups(const CenterGroups &groups, const TreeCenters &centers, float radius);
+// of a mesh, and divides groups that are many radii wide.
+CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, float radius);
 
 } // namespace paradesc

@@ -145,7 +145,7 @@ CenterResults SummedSurface::at(const TreeCenters &centers, const MapValues &map
   CenterResults results = unknown_results(centers.size(), rows);
   const bool are_points = centers.size() == order_.tree.item.size() && centers[0].point >= 0;
   const CenterGroups groups =
-      are_points ? join_groups({order_.tree.item, group_points(order_, group_lanes)}, centers, of_.scaled_radius())
+      are_points ? fit_groups({order_.tree.item, group_points(order_, group_lanes)}, centers, of_.scaled_radius())
                  : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
   evaluate_exactly({patches_, sampled_.surface, samples_, sampled_, limit_, centers, groups,
                     of_.surface.half_edges.triangle_piece, map, ball_targets()[0], sum_targets()[0], of_.plan(rows), params_,
