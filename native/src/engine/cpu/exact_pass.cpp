@@ -120,7 +120,8 @@ void GroupWork::find_patches() {
   const auto is_of_others = [&](const NearPatch &near) {
     return std::ranges::find(pieces_, pass_.patches.piece[near.patch]) == pieces_.end();
   };
-  near_.patches = static_cast<int32_t>(std::remove_if(&patch_[0], &patch_[0] + near_.patches, is_of_others) - &patch_[0]);
+  near_.patches =
+      static_cast<int32_t>(std::remove_if(patch_.data(), patch_.data() + near_.patches, is_of_others) - patch_.data());
   if (!with_moments_) return;
   size_t triangles = 0;
   for (int32_t i = 0; i < near_.patches; ++i)

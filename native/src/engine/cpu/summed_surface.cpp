@@ -143,7 +143,7 @@ SummedSurface::SummedSurface(const PassInputs &of, SummedMesh &kept)
 CenterResults SummedSurface::at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
                                 const std::function<void(double)> &progress) const {
   CenterResults results = unknown_results(centers.size(), rows);
-  const bool are_points = centers.size() == order_.tree.item.size() && centers[0].point >= 0;
+  const bool are_points = centers.size() == order_.tree.item.size() && (centers.empty() || centers[0].point >= 0);
   const CenterGroups groups =
       are_points ? fit_groups({order_.tree.item, group_points(order_, group_lanes)}, centers, of_.scaled_radius())
                  : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
