@@ -56,7 +56,7 @@ private:
   GroupLists lists_{};
   alignas(64) BallSums sums_{};
   std::vector<float> values_;
-  // What lies within each ball, and what may be cut, as indices into PatchSamples::item.
+  // The items within each ball, and those that may be cut, as indices into PatchSamples::item.
   UnsetVector<int32_t> listed_;
   int32_t *whole_[group_lanes] = {}, *cut_[group_lanes] = {};
   int32_t wholes_[group_lanes] = {}, cuts_[group_lanes] = {};

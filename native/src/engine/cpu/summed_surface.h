@@ -43,7 +43,7 @@ Fineness fineness_of(const Pass &pass, const pdesc_options &options);
 // Samples are stored in growing parts and in one list.
 inline constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
 
-// What is kept of a mesh from one pass to the next.
+// The stages of a mesh that are kept from one pass to the next.
 struct SummedMesh {
   Keyed<uint64_t, PointOrder> order;                                      // by the topology's version
   Keyed<std::pair<uint64_t, std::vector<int32_t>>, PointPatches> patches; // by that, and the nodes

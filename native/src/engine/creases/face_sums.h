@@ -10,8 +10,8 @@
 
 namespace paradesc {
 
-// What does not depend on the center. Rows of triangles without area, and of large ones, add nothing. Each run of four floats is
-// loaded as one. Lengths are in radii, except for the corners, which must stay exact.
+// The properties of a triangle that do not depend on the center. Rows of triangles without area, and of large ones, add nothing.
+// Each run of four floats is loaded as one. Lengths are in radii, except for the corners, which must stay exact.
 struct alignas(64) FaceRow {
   struct {
     float place[3], other; // other: twice the area, 0 for a needle, which is not seen; xx and xy of the excess

@@ -19,7 +19,7 @@
 
 namespace paradesc {
 
-// What the threads of one pass share.
+// The data that the threads of one pass share.
 struct SolidSurface {
   CreasedSurface parts;
   double radius;
