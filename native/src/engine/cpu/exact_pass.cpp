@@ -9,6 +9,7 @@
 
 #include "descriptor/registry.h"
 #include "engine/cpu/point_flood.h"
+#include "mesh/ball_flood.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -157,15 +158,6 @@ void GroupWork::evaluate(std::span<const int32_t> group, CenterResults &results)
   forget();
 }
 
-// Returns whether a segment meets the ball around the origin.
-static bool meets_ball(vec3 a, vec3 b, float radius) {
-  const float square = radius * radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
-  if (of_a < 0.0f || of_b < 0.0f) return true;
-  const vec3 way = b - a;
-  const float along = -dot(a, way), length = dot(way, way);
-  return along > 0.0f && along < length && of_a * length < along * along;
-}
-
 // Returns the set of centers whose balls meet the mesh's boundary at clusters that they reach.
 uint32_t GroupWork::clusters_at_boundary() const {
   const PointPatches &patches = pass_.patches;
@@ -177,9 +169,10 @@ uint32_t GroupWork::clusters_at_boundary() const {
         found |= near_.whole[k];
         for (uint32_t bits = near_.part[k] & ~found; bits != 0; bits &= bits - 1) {
           const int lane = std::countr_zero(bits);
-          const vec3 center(centers_.position[0][lane], centers_.position[1][lane], centers_.position[2][lane]);
+          const dvec3 center(centers_.position[0][lane], centers_.position[1][lane], centers_.position[2][lane]);
           const auto &[a, b] = pass_.surface.rim()[edge];
-          if (meets_ball(a - center, b - center, centers_.radius)) found |= uint32_t{1} << lane;
+          const double square = segment_distance2(dvec3(a) - center, dvec3(b) - center), radius = centers_.radius;
+          if (square < radius * radius) found |= uint32_t{1} << lane;
         }
       }
   return found;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "engine/cpu/ball_sums.h"
 #include "support/cancel.h"
@@ -65,9 +66,9 @@ struct Extent {
 
 } // namespace
 
-CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, float radius) {
+CenterGroups fit_groups(CenterGroups groups, const TreeCenters &centers, float radius) {
   constexpr float widest = 4.0f; // half of the diagonal over the radius, beyond which a group is divided
-  CenterGroups fitted{groups.center, {0}};
+  CenterGroups fitted{std::move(groups.center), {0}};
   const auto begin_at = [&](int32_t i) {
     if (i > fitted.begin.back()) fitted.begin.push_back(i);
   };
@@ -76,7 +77,7 @@ CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, 
     checkpoint_at(g);
     const int32_t first = groups.begin[g], last = groups.begin[g + 1];
     Extent own, both = joined;
-    for (int32_t i = first; i < last; ++i) own.add(centers[groups.center[i]].position);
+    for (int32_t i = first; i < last; ++i) own.add(centers[fitted.center[i]].position);
     both.add(own);
     if (last - fitted.begin.back() <= group_lanes && both.half() <= max_width * radius) {
       joined = both;
@@ -87,14 +88,14 @@ CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, 
     if (own.half() <= widest * radius) continue;
     joined = {};
     for (int32_t i = first; i < last; ++i) {
-      joined.add(centers[groups.center[i]].position);
+      joined.add(centers[fitted.center[i]].position);
       if (joined.half() <= widest * radius) continue;
       begin_at(i);
       joined = {};
-      joined.add(centers[groups.center[i]].position);
+      joined.add(centers[fitted.center[i]].position);
     }
   }
-  begin_at(static_cast<int32_t>(groups.center.size()));
+  begin_at(static_cast<int32_t>(fitted.center.size()));
   return fitted;
 }
 

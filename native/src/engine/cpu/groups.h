@@ -30,6 +30,6 @@ CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &cen
 
 // Joins groups that follow each other while they have at most group_lanes centers and are no wider than that, such as small parts
 // of a mesh, and divides groups that are many radii wide.
-CenterGroups fit_groups(const CenterGroups &groups, const TreeCenters &centers, float radius);
+CenterGroups fit_groups(CenterGroups groups, const TreeCenters &centers, float radius);
 
 } // namespace paradesc

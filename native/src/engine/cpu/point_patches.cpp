@@ -21,6 +21,7 @@ PointOrder order_points(const HalfEdges &half_edges) {
     checkpoint();
     for (const int32_t child : order.tree.child_begin[level - 1]) order.begin[level].push_back(order.begin[level - 1][child]);
   }
+  order.group_begin = group_points(order, group_lanes);
   return order;
 }
 

@@ -17,6 +17,7 @@ struct PointOrder {
   ClusterTree tree;
   PointNeighbors neighbors;
   std::vector<std::vector<int32_t>> begin; // [level](clusters + 1) where the points of each cluster begin
+  std::vector<int32_t> group_begin;        // as group_points() returns it for group_lanes
 
   int32_t points() const { return static_cast<int32_t>(tree.item.size()); }
 };

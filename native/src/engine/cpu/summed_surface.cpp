@@ -144,9 +144,8 @@ CenterResults SummedSurface::at(const TreeCenters &centers, const MapValues &map
                                 const std::function<void(double)> &progress) const {
   CenterResults results = unknown_results(centers.size(), rows);
   const bool are_points = centers.size() == order_.tree.item.size() && (centers.empty() || centers[0].point >= 0);
-  const CenterGroups groups =
-      are_points ? fit_groups({order_.tree.item, group_points(order_, group_lanes)}, centers, of_.scaled_radius())
-                 : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
+  const CenterGroups groups = are_points ? fit_groups({order_.tree.item, order_.group_begin}, centers, of_.scaled_radius())
+                                         : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
   evaluate_exactly({patches_, sampled_.surface, samples_, sampled_, limit_, centers, groups,
                     of_.surface.half_edges.triangle_piece, map, ball_targets()[0], sum_targets()[0], of_.plan(rows), params_,
                     rows, of_.resources.threads, progress},
