@@ -6,6 +6,9 @@
 #include "shared.h"
 #include "kernel/limits.h"
 
+#ifndef VARIATE // whether sums reduce the noise of samples by the shape operator as control variate
+#define VARIATE 1
+#endif
 #define PI 3.14159265358979f
 #ifndef __cplusplus
 #define OUT(type) out type
@@ -33,8 +36,10 @@ struct Neighbor {
 #if FACES
   vec3 face;       // unit normal of the triangle it lies on
 #endif
+#if VARIATE
   vec2 direction;  // unit tangent direction e of d
   vec3 directions; // mean of e e^T over the surface it stands for
+#endif
   float geodesic;  // s, the distance along the surface
   float distance;  // rho or s, whichever bounds the neighborhood
   float area;      // the surface area this neighbor stands for

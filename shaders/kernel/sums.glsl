@@ -93,9 +93,11 @@ void add_to_windows(INOUT(Windows) windows, float distance, vec3 xx, vec3 xy) {
 void add_weighted(INOUT(Sums) sums, Neighbor neighbor, vec4 map) {
   Center center = sums.center;
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
+#if VARIATE
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
 #ifndef WIDE_NEIGHBORS
   neighbor.directions = outer(neighbor.direction);
+#endif
 #endif
   sums.moments.area += neighbor.weight;
 #if !(MAP && defined(WIDE_NEIGHBORS)) // no control variate is used for a map over wide neighbors

@@ -317,8 +317,7 @@ typedef struct pdesc_options {
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
-  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. CPU uses it by the share of the surface that clusters of triangles
-                                 stand for. Not used by REFERENCE, which integrates the definitions */
+  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Used where samples are points: not by CPU and REFERENCE */
   int32_t geodesic;     /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
   int32_t distance;     /* pdesc_distance; default EUCLIDEAN */
   int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */

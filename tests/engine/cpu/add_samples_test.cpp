@@ -157,7 +157,8 @@ Sums sum_up(const SumTarget &target, int kind, const EvaluateParams &params, con
   const auto whole_map = filled(list.map, selected.whole, no_map), cut_map = filled(list.map, selected.cut, no_map);
   const auto blocks_of = [](const auto &all) { return static_cast<int32_t>(all.size()) / block_lanes; };
   Sums sums{};
-  target.by_kind[kind](params, {{whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}},
+  target.by_kind[kind](params,
+                       {{whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}, true},
                        center, sums.data());
   return sums;
 }

@@ -100,7 +100,7 @@ private:
                       {},
                       setting.ball_target,
                       setting.sum_target,
-                      {setting.kind, false},
+                      {setting.kind, false, true},
                       params,
                       setting.rows,
                       setting.threads,

@@ -16,6 +16,7 @@ template <class Wide> struct Adder {
   using Neighbor = typename Wide::Neighbor;
   Wide kernel;
   typename Wide::Sums sums;
+  bool bending;
 
   // may_be_cut: the rim may cut some of the samples; if false, they lie within the ball.
   template <bool may_be_cut> [[gnu::always_inline]] void add(const FlatSample *const *samples, const SampleMap *const *maps) {
@@ -34,9 +35,11 @@ template <class Wide> struct Adder {
   template <bool may_be_cut>
   [[gnu::always_inline]] void add_part(const Seen &seen, const Distances &distances, const Part &part) {
     Neighbor neighbor;
-    if constexpr (requires { neighbor.face; }) neighbor.face = seen.face;
     place<may_be_cut>(seen, part, neighbor);
-    if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, distances.corner, neighbor);
+    if constexpr (requires { sums.terms.bending; }) {
+      neighbor.turning = 0.0f;
+      if (bending) find_turning(seen, part, distances.corner, neighbor);
+    }
     neighbor.inside = Wide::geodesic_ball || !may_be_cut ? part.area : part.area - strip_of(seen, part);
     kernel.add_weighted(sums, neighbor, Vector<4, Lanes>(Lanes(0.0f)));
     add_variance(seen, part, neighbor.distance);
@@ -140,8 +143,8 @@ template <class Wide> struct Adder {
     neighbor.noise = mix(0.0f, seen.noise * (1.0f / (kernel.params.radius * kernel.params.radius)), part.area > 0.0f);
   }
 
-  // Finds the means of |n - n_i|^2/rho^2 and of e e^T by four quadrature points. If the center is a corner of an uncut triangle,
-  // both depend on the direction only. They are averaged along the opposite edge, by Gauss points on both sides of the bisector.
+  // Finds the mean of |n - n_i|^2/rho^2 by four quadrature points. If the center is a corner of an uncut triangle, it depends on
+  // the direction only, and is averaged along the opposite edge, by Gauss points on both sides of the bisector.
   // For other triangles, the points are spread over the part.
   void find_turning(const Seen &seen, const Part &part, const Lanes *squares, Neighbor &neighbor) {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;
@@ -153,8 +156,6 @@ template <class Wide> struct Adder {
     const Lanes extent = fast_sqrt(part.area * seen.per_area);
     constexpr float inner[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
     constexpr float gauss[2] = {0.21132487f, 0.78867513f};
-    neighbor.turning = 0.0f;
-    neighbor.directions = Vector<3, Lanes>(Lanes(0.0f));
     for (int k = 0; k < 4; ++k) {
       const Lanes start = k < 2 ? Lanes(0.0f) : bisector, size = k < 2 ? bisector : 1.0f - bisector;
       const Lanes along = start + gauss[k % 2] * size, share = mix(0.5f * size, 0.25f, apart);
@@ -166,10 +167,7 @@ template <class Wide> struct Adder {
       }
       const Vector<3, Lanes> turn = seen.normal_at(place) - sums.center.normal, way = seen.at(place);
       const Lanes root = fast_inversesqrt(max(square_of(way), near));
-      const Lanes x = dot(way, sums.center.t1), y = dot(way, sums.center.t2);
-      const Lanes root_of_flat = fast_inversesqrt(max(x * x + y * y, near));
       neighbor.turning += share * square_of(turn) * root * root;
-      neighbor.directions += share * root_of_flat * root_of_flat * Vector<3, Lanes>(x * x, x * y, y * y);
     }
   }
 
@@ -206,7 +204,7 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
   size_t count = 0;
   for (int pass = 0; pass < block_lanes / lane_count; ++pass) {
     const int first = pass * lane_count;
-    Adder<Wide> adder{Wide{params}, {}};
+    Adder<Wide> adder{Wide{params}, {}, samples.bending};
     adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
     const auto at = [&](const auto *list, int32_t block) { return list ? list + block * block_lanes + first : nullptr; };
     const SampleRun &whole = samples.whole, &cut = samples.cut;

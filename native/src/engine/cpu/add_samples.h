@@ -47,6 +47,7 @@ struct SampleRun {
 struct SelectedSamples {
   SampleRun whole;
   SampleRun cut; // samples that may lie partly within the ball
+  bool bending;  // whether sums tell how normals turn towards the center
 };
 
 // The kind of sums. Each has a kernel of its own.

@@ -254,6 +254,7 @@ void GroupWork::add_listed(int32_t lane, const SumCenter &center, float *sums) {
   const auto wholes = static_cast<size_t>(wholes_[lane]), cuts = static_cast<size_t>(cuts_[lane]);
   if (wholes + cuts == 0) return;
   SelectedSamples selected{};
+  selected.bending = pass_.plan.bending;
   if (with_moments_) { // Its kernel takes single samples as cut ones only.
     std::copy_n(whole_[lane], wholes, cut_[lane] + cuts);
     selected.cut = run_of({cut_[lane], wholes + cuts}, cut_run_);

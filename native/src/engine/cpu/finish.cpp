@@ -97,16 +97,16 @@ void finish_kernel(const EvaluateParams &params, const SumCenter &center, const 
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows) {
   const bool geodesic = options.distance == PDESC_DISTANCE_GEODESIC, integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
   const auto with_geodesic = [&](SumKind euclidean, SumKind along) { return geodesic ? along : euclidean; };
-  if (windows) return {with_geodesic(SumKind::windows, SumKind::windows_geodesic), false};
+  if (windows) return {with_geodesic(SumKind::windows, SumKind::windows_geodesic)};
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(rows, [&](int row) { return uses_terms(row, terms); });
   };
-  if (any("jet")) return {with_geodesic(SumKind::jet, SumKind::jet_geodesic), false};
+  if (any("jet")) return {with_geodesic(SumKind::jet, SumKind::jet_geodesic)};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED)
-    return {with_geodesic(SumKind::extrapolated, SumKind::extrapolated_geodesic), false};
+    return {with_geodesic(SumKind::extrapolated, SumKind::extrapolated_geodesic), false, any("bending")};
   if (integral || geodesic || any("area") || any("ball") || any("bending"))
-    return {with_geodesic(SumKind::surface, SumKind::surface_geodesic), integral};
-  return {SumKind::fit, false};
+    return {with_geodesic(SumKind::surface, SumKind::surface_geodesic), integral, any("bending")};
+  return {SumKind::fit};
 }
 
 void finish(const SumPlan &plan, const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,

@@ -15,7 +15,8 @@ namespace paradesc {
 // The kind of sums that some rows of the registry need, and how values follow from them.
 struct SumPlan {
   SumKind kind;
-  bool integral; // curvatures follow from the integral invariants
+  bool integral = false; // curvatures follow from the integral invariants
+  bool bending = false;  // some value needs to know how normals turn
   friend bool operator==(const SumPlan &, const SumPlan &) = default;
 };
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows);

@@ -18,7 +18,8 @@
 #define GEODESIC_BALL 0
 #endif
 #define WIDE_NEIGHBORS // The caller of add_weighted() supplies the means.
-#define FACES SURFACE
+#define FACES 0
+#define VARIATE 0 // Triangles and clusters leave next to no noise.
 #define MAP (JET || WINDOWS)
 #define TERMS_AREA SURFACE
 #define TERMS_BALL SURFACE
@@ -36,4 +37,5 @@
 #undef GEODESIC_BALL
 #undef WIDE_NEIGHBORS
 #undef FACES
+#undef VARIATE
 #undef MAP

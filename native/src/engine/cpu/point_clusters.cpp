@@ -12,7 +12,7 @@ namespace paradesc {
 namespace {
 
 constexpr int clusters_of_block = 4096;
-constexpr int32_t least_points = 14; // of a cluster; fewer are faster one by one
+constexpr int32_t least_points = 3; // of a cluster; fewer are faster one by one
 
 // Means over the points of a cluster.
 struct Size {

@@ -16,10 +16,10 @@ namespace paradesc {
 
 static constexpr int points_of_block = 4096;
 
-// Returns the resolution that a pass needs. Areas are cut off sharply at the rim, where the errors of clusters do not average
-// out. They need five times as many samples, and triangles half as large. Extrapolation also uses half of the radius, which then
-// has as many samples as the radius otherwise. Bending is dominated by the surface near the center, and needs half as many
-// samples again. Curvature hardly depends on the size of triangles, or on the details within a cluster.
+// Returns the resolution that a pass needs. Areas are cut off sharply at the rim, and need triangles half as large. Gaussian
+// curvature by areas magnifies their errors, and needs five times as many samples. Extrapolation also uses half of the radius,
+// which then has as many samples as the radius otherwise. Curvature hardly depends on the size of triangles, or on the details
+// within a cluster.
 Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
@@ -27,9 +27,9 @@ Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
   constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.9f;
-  if (options.estimator == PDESC_ESTIMATOR_INTEGRAL || any("area")) return {5 * options.samples, half_as_large};
-  if (any("bending")) return {3 * options.samples / 2};
-  if (pass.stage == Stage::source) return {options.samples};
+  if (options.estimator == PDESC_ESTIMATOR_INTEGRAL) return {5 * options.samples, half_as_large};
+  if (any("area")) return {options.samples, half_as_large};
+  if (pass.stage == Stage::source || any("bending")) return {options.samples};
   return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
 }
 
@@ -47,12 +47,10 @@ static SampleLimit limit_of(const PassInputs &of) {
   return {fineness_of(of.pass, of.request.options).triangles * largest_spread(of)};
 }
 
-// share_of_clusters: share of the triangles. The rim cuts triangles exactly, so only clusters leave noise to be reduced.
-static EvaluateParams params_of(const PassInputs &of, float share_of_clusters) {
+static EvaluateParams params_of(const PassInputs &of) {
   const pdesc_options &options = of.request.options;
   EvaluateParams params{};
   params.radius = of.scaled_radius();
-  if (options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE) params.variate_share = share_of_clusters;
   params.map_radius = static_cast<float>(of.request.radius * of.space.scale);
   params.map_sigma = static_cast<float>(options.map_sigma) * params.map_radius;
   params.harris_k = static_cast<float>(options.harris_k);
@@ -130,11 +128,7 @@ SummedSurface::SummedSurface(const PassInputs &of, SummedMesh &kept)
       order_(kept.order.get(of.surface.topology_version, [&] { return order_points(of.surface.half_edges); })),
       patches_(patches_of(of, order_, kept)), sampled_{patches_, refit(of, mesh_, patches_, kept.surface), mesh_, of.map,
                                                        of.resources.threads},
-      limit_(limit_of(of)),
-      params_(params_of(of, patches_.member.empty()
-                                ? 0.0f
-                                : static_cast<float>(patches_.member.size()) /
-                                      static_cast<float>(patches_.member.size() + patches_.triangle.size()))) {
+      limit_(limit_of(of)), params_(params_of(of)) {
   const SampledTriangles which = has_moments(of) ? SampledTriangles::large : SampledTriangles::all;
   check_samples(of, count_samples(sampled_, limit_, which));
   samples_ = list_samples(sampled_, limit_, which);

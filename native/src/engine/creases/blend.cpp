@@ -17,6 +17,7 @@
 #define EXTRAPOLATED 0
 #define GEODESIC_BALL 0
 #define FACES 0
+#define VARIATE 0
 #define MAP 0
 #define TERMS_JET 0
 #define TERMS_GAUSSIANS 0
@@ -64,7 +65,7 @@ static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Soli
   solid.kernel.find_curvatures(solid.sums, solid.neighborhood);
   const Kernel::Neighborhood &found = solid.neighborhood;
   solid.sums.terms.bending.energy = 0.5f * (found.k1 * found.k1 + found.k2 * found.k2);
-  solid.sums.terms.bending.moments = {1.0f, 0.0f, 0.0f};
+  solid.sums.terms.bending.weight = 1.0f;
   solid.sums.terms.ball.rho = 1.0f;
   solid.sums.terms.ball.height = -0.375f * radius * found.mean;
   return solid;
