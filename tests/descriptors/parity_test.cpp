@@ -255,8 +255,8 @@ TEST_P(Parity, the_boundary_mask_agrees_with_the_oracle) {
   }
 }
 
-// Together they share one sampling, and must not share more. On the CPU areas and the bending energy take finer samples, which
-// the others share then.
+// Together they share one sampling, and must not share more. On the CPU, areas and the bending energy take smaller triangles,
+// which the others share then. A card's compiler fuses the sums of each program as it likes.
 TEST_P(Parity, a_descriptor_alone_has_the_values_it_has_among_the_others) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 800});
   lay_out(mesh, {.charts = 6});
@@ -266,7 +266,7 @@ TEST_P(Parity, a_descriptor_alone_has_the_values_it_has_among_the_others) {
     for (const std::string &name : names) {
       SCOPED_TRACE(name);
       const std::vector<float> alone = compute(context, mesh, settings, std::span(&name, 1))[name];
-      if (context == reference.get() || GetParam() != PDESC_BACKEND_CPU) {
+      if (context == reference.get() || GetParam() == PDESC_BACKEND_SOFTWARE) {
         expect_same_bits(alone, together[name]);
         continue;
       }
@@ -275,7 +275,7 @@ TEST_P(Parity, a_descriptor_alone_has_the_values_it_has_among_the_others) {
         gaps += std::abs(static_cast<double>(alone[i]) - static_cast<double>(together[name][i]));
         sizes += std::abs(static_cast<double>(together[name][i]));
       }
-      EXPECT_LE(gaps, 1e-3 * sizes);
+      EXPECT_LE(gaps, (GetParam() == PDESC_BACKEND_CPU ? 1e-3 : 1e-6) * sizes);
     }
   }
 }

@@ -42,8 +42,8 @@ struct PatchedMesh {
     const std::vector<vec3> at = positions();
     return plan_nodes(order, {at, normals.point, {}}, limit, threads);
   }
-  PointPatches patches(const std::vector<int32_t> &node_begin) const {
-    return build_point_patches(order, half_edges, node_begin);
+  PointPatches patches(const std::vector<int32_t> &node_begin, int threads = 2) const {
+    return build_point_patches(order, half_edges, node_begin, threads);
   }
 
   Triangles triangles;

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
 
 #include "engine/cpu/ball_sums.h"
 #include "support/cancel.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -50,10 +52,38 @@ std::vector<int32_t> group_points(const PointOrder &order, int32_t most) {
 
 namespace {
 
+constexpr int items_of_block = 4096;
+
+// The entries that several items have, and where those of each item begin.
+struct Lists {
+  std::vector<int32_t> begin, entry;
+};
+
+// append(i, entries) appends those of item i, and sees the entries of items before it.
+template <class Append> Lists list_entries(int32_t count, int threads, const Append &append) {
+  const Blocks blocks{count, items_of_block};
+  std::vector<Lists> parts(static_cast<size_t>(blocks.number()));
+  parallel_blocks(blocks.number(), threads, 1, [&](int block, int) {
+    Lists &part = parts[block];
+    for (int32_t i = blocks.begin(block); i < blocks.end(block); ++i) {
+      part.begin.push_back(static_cast<int32_t>(part.entry.size()));
+      append(i, part.entry);
+    }
+  });
+  Lists all;
+  for (const Lists &part : parts) {
+    const auto before = static_cast<int32_t>(all.entry.size());
+    for (const int32_t begin : part.begin) all.begin.push_back(before + begin);
+    all.entry.insert(all.entry.end(), part.entry.begin(), part.entry.end());
+  }
+  all.begin.push_back(static_cast<int32_t>(all.entry.size()));
+  return all;
+}
+
 class Builder {
 public:
-  Builder(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin)
-      : order_(order), half_edges_(half_edges), node_begin_(node_begin) {}
+  Builder(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin, int threads)
+      : order_(order), half_edges_(half_edges), node_begin_(node_begin), threads_(threads) {}
 
   PointPatches run() {
     place_nodes();
@@ -119,10 +149,10 @@ private:
         if (const int32_t node = to_.node_of_triangle[t]; node >= 0) use(static_cast<int32_t>(t), node);
       }
     };
-    for (size_t t = 0; t < count; ++t) {
-      checkpoint_at(t);
-      if (half_edges_.corner_point[3 * t] >= 0) to_.node_of_triangle[t] = owner_of(static_cast<int32_t>(t));
-    }
+    parallel_blocks(static_cast<int>(count), threads_, items_of_block, [&](int begin, int end) {
+      for (int32_t t = begin; t < end; ++t)
+        if (half_edges_.corner_point[3 * t] >= 0) to_.node_of_triangle[t] = owner_of(t);
+    });
     for_each([&](int32_t, int32_t node) {
       ++(is_cluster(node) ? to_.member_begin[~to_.node[node] + 1] : to_.triangle_begin[to_.patch_of[node] + 1]);
     });
@@ -144,84 +174,87 @@ private:
 
   void place_corners() {
     constexpr int32_t boundary = -1, into_cluster = -2;
-    to_.corner.reserve(3 * (to_.triangle.size() + group_lanes));
-    to_.twin.reserve(3 * to_.triangle.size());
-    for (const int32_t t : to_.triangle) {
-      checkpoint_at(to_.twin.size());
-      for (int32_t half_edge = 3 * t; half_edge < 3 * t + 3; ++half_edge) {
-        const int32_t twin = half_edges_.twin[half_edge], behind = twin < 0 ? -1 : to_.place[twin / 3];
-        to_.corner.push_back(to_.node_of_point[half_edges_.corner_point[half_edge]]);
-        to_.twin.push_back(twin < 0 ? boundary : behind < 0 ? into_cluster : 3 * behind + twin % 3);
-      }
-    }
     to_.corner.resize(3 * (to_.triangle.size() + group_lanes), 0);
+    to_.twin.resize(3 * to_.triangle.size());
+    parallel_blocks(static_cast<int>(to_.triangle.size()), threads_, items_of_block, [&](int begin, int end) {
+      for (int32_t i = begin; i < end; ++i)
+        for (int32_t k = 0; k < 3; ++k) {
+          const int32_t half_edge = 3 * to_.triangle[i] + k, twin = half_edges_.twin[half_edge],
+                        behind = twin < 0 ? -1 : to_.place[twin / 3];
+          to_.corner[3 * i + k] = to_.node_of_point[half_edges_.corner_point[half_edge]];
+          to_.twin[3 * i + k] = twin < 0 ? boundary : behind < 0 ? into_cluster : 3 * behind + twin % 3;
+        }
+    });
   }
 
   void place_rims() {
-    to_.rim_begin.assign(1, 0);
-    for (int32_t k = 0; k < to_.clusters(); ++k) {
-      checkpoint_at(static_cast<size_t>(k));
-      for (int32_t i = to_.member_begin[k]; i < to_.member_begin[k + 1]; ++i)
+    Lists rims = list_entries(to_.clusters(), threads_, [&](int32_t cluster, std::vector<int32_t> &rim) {
+      for (int32_t i = to_.member_begin[cluster]; i < to_.member_begin[cluster + 1]; ++i)
         for (int32_t half_edge = 3 * to_.member[i]; half_edge < 3 * to_.member[i] + 3; ++half_edge)
-          if (half_edges_.twin[half_edge] < 0) to_.rim.push_back(half_edge);
-      to_.rim_begin.push_back(static_cast<int32_t>(to_.rim.size()));
-    }
+          if (half_edges_.twin[half_edge] < 0) rim.push_back(half_edge);
+    });
+    to_.rim_begin = std::move(rims.begin);
+    to_.rim = std::move(rims.entry);
   }
 
   void place_neighbors() {
-    constexpr int32_t room = PointPatches::near_neighbors;
-    const int32_t nodes = to_.nodes();
-    to_.neighbor.assign(static_cast<size_t>(room) * static_cast<size_t>(nodes), nodes);
-    to_.more_begin.assign(1, 0);
-    std::vector<int32_t> mark(static_cast<size_t>(nodes), -1);
-    for (int32_t i = 0; i < nodes; ++i) {
-      checkpoint_at(static_cast<size_t>(i));
-      int32_t count = 0;
-      mark[i] = i;
+    constexpr auto room = static_cast<size_t>(PointPatches::near_neighbors);
+    to_.neighbor.assign(room * static_cast<size_t>(to_.nodes()), to_.nodes());
+    Lists more = list_entries(to_.nodes(), threads_, [&](int32_t i, std::vector<int32_t> &more_of_part) {
+      const std::span near(to_.neighbor.data() + room * static_cast<size_t>(i), room);
+      const size_t before = more_of_part.size();
+      size_t count = 0;
       for (int32_t p = node_begin_[i]; p < node_begin_[i + 1]; ++p)
         for (int32_t k = order_.neighbors.begin[order_.tree.item[p]]; k < order_.neighbors.begin[order_.tree.item[p] + 1]; ++k) {
           const int32_t other = to_.node_of_point[order_.neighbors.neighbor[k]];
-          if (std::exchange(mark[other], i) == i) continue;
-          if (count++ < room)
-            to_.neighbor[static_cast<size_t>(room) * static_cast<size_t>(i) + static_cast<size_t>(count) - 1] = other;
+          const std::span further = std::span(more_of_part).subspan(before);
+          if (other == i || std::ranges::find(near, other) != near.end() || std::ranges::find(further, other) != further.end())
+            continue;
+          if (count < room)
+            near[count++] = other;
           else
-            to_.more.push_back(other);
+            more_of_part.push_back(other);
         }
-      to_.more_begin.push_back(static_cast<int32_t>(to_.more.size()));
-    }
+    });
+    to_.more_begin = std::move(more.begin);
+    to_.more = std::move(more.entry);
   }
 
   void link_patches() {
-    std::vector<int32_t> mark(static_cast<size_t>(to_.patches()), -1);
-    to_.link_begin.push_back(0);
-    to_.edge_begin.push_back(0);
-    for (int32_t p = 0; p < to_.patches(); ++p) {
-      checkpoint_at(static_cast<size_t>(p));
-      mark[p] = p;
-      const auto link_to = [&](int32_t other) {
-        if (other < to_.nodes() && std::exchange(mark[to_.patch_of[other]], p) != p) to_.link.push_back(to_.patch_of[other]);
+    Lists links = list_entries(to_.patches(), threads_, [&](int32_t patch, std::vector<int32_t> &link) {
+      const size_t before = link.size();
+      const auto link_to = [&](int32_t node) {
+        if (node == to_.nodes() || to_.patch_of[node] == patch) return;
+        const std::span own = std::span(link).subspan(before);
+        if (std::ranges::find(own, to_.patch_of[node]) == own.end()) link.push_back(to_.patch_of[node]);
       };
-      for (int32_t i = to_.patch_begin[p]; i < to_.patch_begin[p + 1]; ++i) {
+      for (int32_t i = to_.patch_begin[patch]; i < to_.patch_begin[patch + 1]; ++i) {
         for (int32_t k = 0; k < PointPatches::near_neighbors; ++k) link_to(to_.neighbor[PointPatches::near_neighbors * i + k]);
         for (int32_t k = to_.more_begin[i]; k < to_.more_begin[i + 1]; ++k) link_to(to_.more[k]);
       }
-      to_.link_begin.push_back(static_cast<int32_t>(to_.link.size()));
-      for (int32_t corner = 3 * to_.triangle_begin[p]; corner < 3 * to_.triangle_begin[p + 1]; ++corner)
-        if (to_.twin[corner] == -1) to_.edge.push_back(corner);
-      to_.edge_begin.push_back(static_cast<int32_t>(to_.edge.size()));
-    }
+    });
+    to_.link_begin = std::move(links.begin);
+    to_.link = std::move(links.entry);
+    Lists edges = list_entries(to_.patches(), threads_, [&](int32_t patch, std::vector<int32_t> &edge) {
+      for (int32_t corner = 3 * to_.triangle_begin[patch]; corner < 3 * to_.triangle_begin[patch + 1]; ++corner)
+        if (to_.twin[corner] == -1) edge.push_back(corner);
+    });
+    to_.edge_begin = std::move(edges.begin);
+    to_.edge = std::move(edges.entry);
   }
 
   const PointOrder &order_;
   const HalfEdges &half_edges_;
   const std::vector<int32_t> &node_begin_;
+  int threads_;
   PointPatches to_;
 };
 
 } // namespace
 
-PointPatches build_point_patches(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin) {
-  return Builder(order, half_edges, node_begin).run();
+PointPatches build_point_patches(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin,
+                                 int threads) {
+  return Builder(order, half_edges, node_begin, threads).run();
 }
 
 } // namespace paradesc

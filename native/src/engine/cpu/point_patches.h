@@ -63,6 +63,7 @@ struct PointPatches {
 };
 
 // node_begin: where the points of each node begin in the order, and the end. Each node is a cluster of the tree.
-PointPatches build_point_patches(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin);
+PointPatches build_point_patches(const PointOrder &order, const HalfEdges &half_edges, const std::vector<int32_t> &node_begin,
+                                 int threads);
 
 } // namespace paradesc

@@ -110,7 +110,8 @@ static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &o
 
 static const PointPatches &patches_of(const PassInputs &of, const PointOrder &order, SummedMesh &kept) {
   const std::pair key(of.surface.topology_version, plan_nodes(of, order));
-  return kept.patches.get(key, [&] { return build_point_patches(order, of.surface.half_edges, key.second); });
+  return kept.patches.get(key,
+                          [&] { return build_point_patches(order, of.surface.half_edges, key.second, of.resources.threads); });
 }
 
 static const PatchSurface &refit(const PassInputs &of, const PatchSurface::Mesh &mesh, const PointPatches &patches,
