@@ -29,16 +29,20 @@ private:
   void find_patches();
   std::pair<uint32_t, uint32_t> sets_of(int32_t item) const;
   uint32_t clusters_at_boundary() const;
-  void list_items();
+  void list_samples();
   void finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results);
-  void add_listed(int32_t lane, const SumCenter &center, float *sums);
+  void add_samples(int32_t lane, const SumCenter &center, float *sums);
   void divide(int32_t listed);
+  // The samples in the ball of one center.
   struct Run {
     std::vector<const FlatSample *> samples;
     std::vector<const SampleMap *> maps;
+    void clear() {
+      samples.clear();
+      maps.clear();
+    }
   };
-  void append(const SampleList &list, int32_t first, int32_t last, Run &run) const;
-  SampleRun run_of(std::span<const int32_t> triangles, Run &run) const;
+  SampleRun blocks_of(Run &run) const;
   void forget();
 
   const ExactPass &pass_;
@@ -57,16 +61,9 @@ private:
   GroupLists lists_{};
   alignas(64) BallSums sums_{};
   std::vector<float> values_;
-  // The items within each ball, and those that may be cut, as indices into PatchSamples::item.
-  UnsetVector<int32_t> listed_;
-  int32_t *whole_[group_lanes] = {}, *cut_[group_lanes] = {};
-  int32_t wholes_[group_lanes] = {}, cuts_[group_lanes] = {};
-  struct Divided {
-    int32_t listed, first, last; // the triangle, and its samples in divided_
-  };
-  std::vector<Divided> divided_triangles_; // very large triangles, which each group divides where they are near
-  SampleList divided_;
-  Run whole_run_, cut_run_;
+  Run whole_[group_lanes], cut_[group_lanes]; // cut: what may lie partly within the ball
+  SampleList divided_;                        // of very large triangles, which each group divides where they are near
+  std::vector<int32_t> divided_begin_{0};     // (divided triangles + 1)
 };
 
 } // namespace
@@ -153,7 +150,7 @@ void GroupWork::evaluate(std::span<const int32_t> group, CenterResults &results)
   pass_.target.look(surface_, centers_, near_);
   const uint32_t boundary = flood_.run(centers_, start_, near_) | clusters_at_boundary();
   if (with_moments_) pass_.target.add(surface_, centers_, near_, with_noise_, lists_, sums_);
-  list_items();
+  list_samples();
   for (size_t i = 0; i < group.size(); ++i) finish_center(static_cast<int32_t>(i), group[i], (boundary >> i & 1) != 0, results);
   forget();
 }
@@ -186,62 +183,59 @@ std::pair<uint32_t, uint32_t> GroupWork::sets_of(int32_t item) const {
   return {whole, (a | b | c | flood_.dipped(item)) & ~whole};
 }
 
-// Lists what is summed one by one for each center, in its order.
-void GroupWork::list_items() {
+// Lists the samples of what is summed one by one for each center, in its order.
+void GroupWork::list_samples() {
   const PatchSamples &samples = pass_.samples;
-  std::ranges::fill(wholes_, 0);
-  std::ranges::fill(cuts_, 0);
-  size_t room = 0;
-  for (int32_t i = 0; i < near_.patches; ++i)
-    room += static_cast<size_t>(samples.begin[near_.patch[i].patch + 1] - samples.begin[near_.patch[i].patch]);
-  if (room == 0) return;
-  if (2 * group_lanes * room > listed_.size()) listed_.resize(4 * group_lanes * room);
-  for (size_t i = 0; i < group_lanes; ++i) {
-    whole_[i] = &listed_[2 * i * room];
-    cut_[i] = &listed_[(2 * i + 1) * room];
+  const auto for_each = [&](const auto &use) {
+    for (int32_t i = 0; i < near_.patches; ++i)
+      for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) use(k);
+  };
+  const auto is_divided = [&](int32_t listed) { return samples.first[listed] == samples.first[listed + 1]; };
+  for_each([&](int32_t k) {
+    if (!is_divided(k)) return;
+    const auto [whole, part] = sets_of(samples.item[k]);
+    if ((whole | part) != 0) divide(k);
+  });
+  for (size_t lane = 0; lane < group_lanes; ++lane) {
+    whole_[lane].clear();
+    cut_[lane].clear();
   }
-  for (int32_t i = 0; i < near_.patches; ++i)
-    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
-      const auto [whole, part] = sets_of(samples.item[k]);
-      for (uint32_t bits = whole; bits != 0; bits &= bits - 1) {
-        const int lane = std::countr_zero(bits);
-        whole_[lane][wholes_[lane]++] = k;
-      }
-      for (uint32_t bits = part; bits != 0; bits &= bits - 1) {
-        const int lane = std::countr_zero(bits);
-        cut_[lane][cuts_[lane]++] = k;
-      }
-      if ((whole | part) != 0 && samples.first[k] == samples.first[k + 1]) divide(k);
+  const auto append = [](const SampleList &list, int32_t i, uint32_t centers, Run(&runs)[group_lanes]) {
+    for (; centers != 0; centers &= centers - 1) {
+      Run &run = runs[std::countr_zero(centers)];
+      run.samples.push_back(&list.sample[i]);
+      if (!list.map.empty()) run.maps.push_back(&list.map[i]);
     }
+  };
+  size_t next_divided = 0;
+  for_each([&](int32_t k) {
+    const auto [whole, part] = sets_of(samples.item[k]);
+    if ((whole | part) == 0) return;
+    const bool divided = is_divided(k);
+    const SampleList &list = divided ? divided_ : samples.list;
+    const int32_t first = divided ? divided_begin_[next_divided] : samples.first[k],
+                  last = divided ? divided_begin_[next_divided + 1] : samples.first[k + 1];
+    next_divided += divided;
+    for (int32_t i = first; i < last; ++i) {
+      // The kernel that adds to moments takes single samples as cut ones only.
+      append(list, i, with_moments_ ? 0 : whole, whole_);
+      append(list, i, with_moments_ ? whole | part : part, cut_);
+    }
+  });
 }
 
+// Divides a very large triangle where it is near the group.
 void GroupWork::divide(int32_t listed) {
-  const auto first = static_cast<int32_t>(divided_.sample.size());
   const vec3 middle(centers_.middle[0], centers_.middle[1], centers_.middle[2]);
   divide_triangle(pass_.sampled.triangle(pass_.samples.item[listed]), pass_.limit, {middle, centers_.spread + centers_.radius},
                   pass_.sampled.map != nullptr, divided_);
-  divided_triangles_.push_back({listed, first, static_cast<int32_t>(divided_.sample.size())});
+  divided_begin_.push_back(static_cast<int32_t>(divided_.sample.size()));
 }
 
-void GroupWork::append(const SampleList &list, int32_t first, int32_t last, Run &run) const {
-  for (int32_t i = first; i < last; ++i) {
-    run.samples.push_back(&list.sample[i]);
-    if (!list.map.empty()) run.maps.push_back(&list.map[i]);
-  }
-}
-
-SampleRun GroupWork::run_of(std::span<const int32_t> triangles, Run &run) const {
+// Fills the last block up.
+SampleRun GroupWork::blocks_of(Run &run) const {
   static const FlatSample nothing{};
   static const SampleMap no_map{};
-  const PatchSamples &samples = pass_.samples;
-  run.samples.clear();
-  run.maps.clear();
-  for (const int32_t listed : triangles) {
-    append(samples.list, samples.first[listed], samples.first[listed + 1], run);
-    if (samples.first[listed] < samples.first[listed + 1]) continue;
-    const auto found = std::ranges::find(divided_triangles_, listed, &Divided::listed);
-    append(divided_, found->first, found->last, run);
-  }
   const size_t blocks = (run.samples.size() + block_lanes - 1) / block_lanes;
   run.samples.resize(blocks * block_lanes, &nothing);
   if (pass_.sampled.map == nullptr) return {run.samples.data(), nullptr, static_cast<int32_t>(blocks)};
@@ -249,19 +243,10 @@ SampleRun GroupWork::run_of(std::span<const int32_t> triangles, Run &run) const 
   return {run.samples.data(), run.maps.data(), static_cast<int32_t>(blocks)};
 }
 
-// Adds the sums over the center's triangles that are summed one by one.
-void GroupWork::add_listed(int32_t lane, const SumCenter &center, float *sums) {
-  const auto wholes = static_cast<size_t>(wholes_[lane]), cuts = static_cast<size_t>(cuts_[lane]);
-  if (wholes + cuts == 0) return;
-  SelectedSamples selected{};
-  selected.bending = pass_.plan.bending;
-  if (with_moments_) { // Its kernel takes single samples as cut ones only.
-    std::copy_n(whole_[lane], wholes, cut_[lane] + cuts);
-    selected.cut = run_of({cut_[lane], wholes + cuts}, cut_run_);
-  } else {
-    selected.whole = run_of({whole_[lane], wholes}, whole_run_);
-    selected.cut = run_of({cut_[lane], cuts}, cut_run_);
-  }
+// Adds the sums over the samples of the center.
+void GroupWork::add_samples(int32_t lane, const SumCenter &center, float *sums) {
+  if (whole_[lane].samples.empty() && cut_[lane].samples.empty()) return;
+  const SelectedSamples selected{blocks_of(whole_[lane]), blocks_of(cut_[lane]), pass_.plan.bending};
   float listed[max_sums] = {};
   pass_.sum_target.by_kind[static_cast<size_t>(pass_.plan.kind)](pass_.params, selected, center, listed);
   for (size_t k = 0; k < max_sums; ++k) sums[k] += listed[k];
@@ -280,7 +265,7 @@ void GroupWork::finish_center(int32_t lane, int32_t index, bool boundary, Center
     constexpr size_t places[ball_sums] = {0, 1, 2, 3, 4, 5, 6, 9, 10};
     for (size_t k = 0; k < ball_sums; ++k) sums[places[k]] = sums_[k][lane];
   }
-  add_listed(lane, center, sums);
+  add_samples(lane, center, sums);
   results.boundary[at] = boundary;
   values_.clear();
   finish(pass_.plan, pass_.params, center, sums, boundary, pass_.rows, values_);
@@ -298,7 +283,7 @@ void GroupWork::forget() {
     std::fill(&reached_[begin], &reached_[end], uint16_t{0});
   }
   flood_.forget();
-  divided_triangles_.clear();
+  divided_begin_.resize(1);
   divided_.sample.clear();
   divided_.map.clear();
 }

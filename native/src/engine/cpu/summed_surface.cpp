@@ -26,7 +26,7 @@ Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   };
   if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
-  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.9f;
+  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.97f;
   if (options.estimator == PDESC_ESTIMATOR_INTEGRAL) return {5 * options.samples, half_as_large};
   if (any("area")) return {options.samples, half_as_large};
   if (pass.stage == Stage::source || any("bending")) return {options.samples};
