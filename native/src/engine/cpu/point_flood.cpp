@@ -124,23 +124,32 @@ bool PointFlood::dip(const CenterLanes &centers, NearPatches &near) {
   find_open(near);
   bool found = false;
   for (const int32_t patch : open_)
-    for (int32_t corner = 3 * patches_.triangle_begin[patch]; corner < 3 * patches_.triangle_begin[patch + 1]; ++corner)
-      if (dip_from(centers, near, corner)) found = true;
+    for (int32_t t = patches_.triangle_begin[patch]; t < patches_.triangle_begin[patch + 1]; ++t) {
+      const int32_t *const corner = &patches_.corner[3 * t];
+      const uint32_t dipped = dipped_[t],
+                     reached[3] = {near.reached[corner[0]], near.reached[corner[1]], near.reached[corner[2]]};
+      if ((dipped | reached[0] | reached[1] | reached[2]) == 0) continue;
+      const uint32_t in[3] = {near.in[corner[0]], near.in[corner[1]], near.in[corner[2]]};
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t open = (reached[(k + 2) % 3] | dipped) & ~in[k] & ~in[(k + 1) % 3];
+        if (open != 0 && dip_over(centers, near, 3 * t + k, open)) found = true;
+      }
+    }
   return found;
 }
 
 static int32_t next_in_triangle(int32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-bool PointFlood::dip_from(const CenterLanes &centers, NearPatches &near, int32_t half_edge) {
+// open: the centers that reach the triangle of the half-edge, but neither of its ends.
+bool PointFlood::dip_over(const CenterLanes &centers, NearPatches &near, int32_t half_edge, uint32_t open) {
   const int32_t twin = patches_.twin[half_edge];
   if (twin < 0) return false;
-  const int32_t next = next_in_triangle(half_edge), from = patches_.corner[half_edge], to = patches_.corner[next],
-                apex = patches_.corner[next_in_triangle(next)],
-                behind = patches_.corner[next_in_triangle(next_in_triangle(twin))], triangle = twin / 3;
-  const uint32_t open = (near.reached[apex] | uint32_t{dipped_[half_edge / 3]}) & ~uint32_t{near.in[from]} &
-                        ~uint32_t{near.in[to]} & ~uint32_t{near.reached[behind]} & ~uint32_t{dipped_[triangle]};
+  const int32_t behind = patches_.corner[next_in_triangle(next_in_triangle(twin))], triangle = twin / 3;
+  open &= ~uint32_t{near.reached[behind]} & ~uint32_t{dipped_[triangle]};
   if (open == 0) return false;
-  const uint32_t over = open & target_.dips(surface_, centers, from, to), in = over & near.in[behind];
+  const uint32_t over = open &
+                        target_.dips(surface_, centers, patches_.corner[half_edge], patches_.corner[next_in_triangle(half_edge)]),
+                 in = over & near.in[behind];
   near.reached[behind] = static_cast<uint16_t>(near.reached[behind] | in);
   if ((over & ~in) != 0) dip_into(triangle, over & ~in);
   return over != 0;

@@ -37,7 +37,7 @@ private:
   bool spread(NearPatches &near) const;
   bool dip(const CenterLanes &centers, NearPatches &near);
   void find_open(const NearPatches &near);
-  bool dip_from(const CenterLanes &centers, NearPatches &near, int32_t half_edge);
+  bool dip_over(const CenterLanes &centers, NearPatches &near, int32_t half_edge, uint32_t open);
   void find_clusters(const CenterLanes &centers, NearPatches &near) const;
   uint32_t boundary(const CenterLanes &centers, const NearPatches &near) const;
 
