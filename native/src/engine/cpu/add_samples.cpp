@@ -145,7 +145,7 @@ template <class Wide> struct Adder {
 
   // Finds the mean of |n - n_i|^2/rho^2 by four quadrature points. If the center is a corner of an uncut triangle, it depends on
   // the direction only, and is averaged along the opposite edge, by Gauss points on both sides of the bisector.
-  // For other triangles, the points are spread over the part.
+  // For other triangles, the points are spread over the part, and if it is close, over its quarters.
   void find_turning(const Seen &seen, const Part &part, const Lanes *squares, Neighbor &neighbor) {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;
     const Choices at0 = squares[0] < near, at2 = squares[2] < near, apart = !(at0 || squares[1] < near || at2);
@@ -154,7 +154,6 @@ template <class Wide> struct Adder {
     const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
     const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
     const Lanes extent = fast_sqrt(part.area * seen.per_area);
-    constexpr float inner[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
     constexpr float gauss[2] = {0.21132487f, 0.78867513f};
     for (int k = 0; k < 4; ++k) {
       const Lanes start = k < 2 ? Lanes(0.0f) : bisector, size = k < 2 ? bisector : 1.0f - bisector;
@@ -163,12 +162,35 @@ template <class Wide> struct Adder {
       for (int axis = 0; axis < 2; ++axis) {
         const auto corner = [&](int i) { return Lanes(corner_place[i][axis]); };
         const Lanes from = choose(corner(1), corner(2), corner(0)), to = choose(corner(2), corner(0), corner(1));
-        place[axis] = mix(from + along * (to - from), part.place[axis] + extent * inner[k][axis], apart);
+        place[axis] = mix(from + along * (to - from), part.place[axis] + extent * four_places[k][axis], apart);
       }
       const Vector<3, Lanes> turn = seen.normal_at(place) - sums.center.normal, way = seen.at(place);
       const Lanes root = fast_inversesqrt(max(square_of(way), near));
       neighbor.turning += share * square_of(turn) * root * root;
     }
+    constexpr float close = 12.0f; // squared distance over squared extent
+    const Choices is_near = apart && square_of(seen.at(part.place)) < close * extent * extent * seen.spread();
+    if (any(is_near)) neighbor.turning = mix(neighbor.turning, turning_near(seen, part, extent, near), is_near);
+  }
+
+  // Returns the mean of |n - n_i|^2/rho^2 over a part that is nearer to the center than it is long, by four points on each
+  // quarter.
+  Lanes turning_near(const Seen &seen, const Part &part, const Lanes &extent, float near) const {
+    constexpr float quarters[4][3] = {// the middle, and the size
+                                      {0.0f, 0.0f, -0.5f},
+                                      {-root2, 0.0f, 0.5f},
+                                      {0.5f * root2, 0.5f * root6, 0.5f},
+                                      {0.5f * root2, -0.5f * root6, 0.5f}};
+    Lanes sum = 0.0f;
+    for (const auto &[u, v, size] : quarters)
+      for (const float(&point)[2] : four_places) {
+        const Lanes place[2] = {part.place[0] + extent * (u + size * point[0]), part.place[1] + extent * (v + size * point[1])};
+        const Vector<3, Lanes> normal = seen.normal_at(place), way = seen.at(place);
+        const Vector<3, Lanes> turn = normal * fast_inversesqrt(max(square_of(normal), 1e-12f)) - sums.center.normal;
+        const Lanes root = fast_inversesqrt(max(square_of(way), near));
+        sum += 0.0625f * square_of(turn) * root * root;
+      }
+    return sum;
   }
 
   // Adds the variation within the parts to the moments of their mean positions and normals.

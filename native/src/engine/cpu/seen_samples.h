@@ -51,6 +51,8 @@ struct Seen {
 
 // The corners of a sample, as coefficients of its two directions.
 constexpr float corner_place[3][2] = {{-2.0f * root2, 0.0f}, {root2, root6}, {root2, -root6}};
+// Four places over which a quadratic has the mean that it has over the sample.
+constexpr float four_places[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
 inline void find_corners(const Vector<3, Lanes> &mean, const Vector<3, Lanes> *along, Vector<3, Lanes> *corners) {
   const Vector<3, Lanes> first = along[0] * root2, second = along[1] * root6, middle = mean + first;
   corners[0] = mean - first * 2.0f;
