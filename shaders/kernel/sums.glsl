@@ -164,7 +164,7 @@ bool fit_shape_operator(vec3 xx, vec3 xy, OUT(vec3) shape) {
   shape = vec3(0.0f);
   float spread = xx.x * xx.z - xx.y * xx.y;
   float trace = xx.x + xx.z;
-  if (!(spread > 1e-4f * trace * trace)) return false;
+  if (!(spread > 1e-5f * trace * trace)) return false;
   vec2 ratio = xx.y / vec2(xx.x, xx.z);
   float s12 = (xy.y - ratio.x * xy.x - ratio.y * xy.z) / (trace - xx.y * (ratio.x + ratio.y));
   shape = vec3((xy.x - s12 * xx.y) / xx.x, s12, (xy.z - s12 * xx.y) / xx.z);

@@ -43,6 +43,24 @@ TEST(ExactPass, has_the_values_of_the_reference_beside_open_borders) {
   for (const ExactSetting &setting : both_ways()) expect_near_the_reference(surface, 0.3, setting, of_sheets);
 }
 
+// A bent ribbon, which is 1/200 as wide as the ball and does not lie along an axis.
+TEST(ExactPass, has_the_values_of_the_reference_on_a_thin_ribbon) {
+  Shape ribbon;
+  constexpr int length = 200, width = 2;
+  for (int i = 0; i <= length; ++i)
+    for (int k = 0; k <= width; ++k) {
+      const float along = static_cast<float>(i) / static_cast<float>(length), across = 0.0005f * static_cast<float>(k);
+      const float bend = 0.1f * std::cos(8.0f * along);
+      ribbon.positions.emplace_back(0.8f * along - 0.6f * across, 0.6f * along + 0.8f * across, bend + 0.3f * across);
+    }
+  for (int i = 0; i < length; ++i)
+    for (int k = 0; k < width; ++k) {
+      const int32_t a = i * (width + 1) + k, b = a + width + 1;
+      ribbon.faces.insert(ribbon.faces.end(), {a, b, a + 1, a + 1, b, b + 1});
+    }
+  expect_near_the_reference(ExactSurface(shapes::triangles_of(ribbon)), 0.1, by_moments(), {0.02, 0.02, 0.02});
+}
+
 // Values and flags are those at points, although the search begins with the corners of a triangle.
 TEST(ExactPass, has_the_same_values_at_centers_that_are_not_points) {
   const ExactSurface surface(shapes::triangles_of(sheet(24, 1.0f, bowl)));
