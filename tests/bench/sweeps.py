@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import figures
+import hard
 import meshes
 import numpy as np
 import page
@@ -232,6 +233,7 @@ SWEEPS = {
     "samples": Sweep(samples, "Samples, buffers, texels (Tables 1 and 2, Fig. 12)", "the columns below", 3),
     "charts": Sweep(charts, "One chart against many (Fig. 13)", "pictures only", 3),
     "models": Sweep(models, "Average over models", "49 times a baseline on four cores, 1.245 %", 4),
+    "hard": Sweep(hard.sweep, "Rough surfaces, parts, needles, ten million triangles", "", 6),
 }
 
 
