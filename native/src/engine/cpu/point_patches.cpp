@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <span>
 
 #include "engine/cpu/ball_sums.h"
 #include "support/cancel.h"
@@ -59,7 +58,7 @@ struct Lists {
   std::vector<int32_t> begin, entry;
 };
 
-// append(i, entries) appends those of item i, and sees the entries of items before it.
+// append(i, entries) appends those of item i.
 template <class Append> Lists list_entries(int32_t count, int threads, const Append &append) {
   const Blocks blocks{count, items_of_block};
   std::vector<Lists> parts(static_cast<size_t>(blocks.number()));
@@ -78,6 +77,11 @@ template <class Append> Lists list_entries(int32_t count, int threads, const App
   }
   all.begin.push_back(static_cast<int32_t>(all.entry.size()));
   return all;
+}
+
+void sort_once_each(std::vector<int32_t> &items) {
+  std::ranges::sort(items);
+  items.erase(std::ranges::unique(items).begin(), items.end());
 }
 
 class Builder {
@@ -201,20 +205,14 @@ private:
     constexpr auto room = static_cast<size_t>(PointPatches::near_neighbors);
     to_.neighbor.assign(room * static_cast<size_t>(to_.nodes()), to_.nodes());
     Lists more = list_entries(to_.nodes(), threads_, [&](int32_t i, std::vector<int32_t> &more_of_part) {
-      const std::span near(to_.neighbor.data() + room * static_cast<size_t>(i), room);
-      const size_t before = more_of_part.size();
-      size_t count = 0;
+      std::vector<int32_t> others;
       for (int32_t p = node_begin_[i]; p < node_begin_[i + 1]; ++p)
-        for (int32_t k = order_.neighbors.begin[order_.tree.item[p]]; k < order_.neighbors.begin[order_.tree.item[p] + 1]; ++k) {
-          const int32_t other = to_.node_of_point[order_.neighbors.neighbor[k]];
-          const std::span further = std::span(more_of_part).subspan(before);
-          if (other == i || std::ranges::find(near, other) != near.end() || std::ranges::find(further, other) != further.end())
-            continue;
-          if (count < room)
-            near[count++] = other;
-          else
-            more_of_part.push_back(other);
-        }
+        for (int32_t k = order_.neighbors.begin[order_.tree.item[p]]; k < order_.neighbors.begin[order_.tree.item[p] + 1]; ++k)
+          if (const int32_t other = to_.node_of_point[order_.neighbors.neighbor[k]]; other != i) others.push_back(other);
+      sort_once_each(others);
+      const size_t near = std::min(others.size(), room);
+      std::copy_n(others.begin(), near, to_.neighbor.begin() + static_cast<ptrdiff_t>(room) * i);
+      more_of_part.insert(more_of_part.end(), others.begin() + static_cast<ptrdiff_t>(near), others.end());
     });
     to_.more_begin = std::move(more.begin);
     to_.more = std::move(more.entry);
@@ -222,16 +220,16 @@ private:
 
   void link_patches() {
     Lists links = list_entries(to_.patches(), threads_, [&](int32_t patch, std::vector<int32_t> &link) {
-      const size_t before = link.size();
+      std::vector<int32_t> others;
       const auto link_to = [&](int32_t node) {
-        if (node == to_.nodes() || to_.patch_of[node] == patch) return;
-        const std::span own = std::span(link).subspan(before);
-        if (std::ranges::find(own, to_.patch_of[node]) == own.end()) link.push_back(to_.patch_of[node]);
+        if (node < to_.nodes() && to_.patch_of[node] != patch) others.push_back(to_.patch_of[node]);
       };
       for (int32_t i = to_.patch_begin[patch]; i < to_.patch_begin[patch + 1]; ++i) {
         for (int32_t k = 0; k < PointPatches::near_neighbors; ++k) link_to(to_.neighbor[PointPatches::near_neighbors * i + k]);
         for (int32_t k = to_.more_begin[i]; k < to_.more_begin[i + 1]; ++k) link_to(to_.more[k]);
       }
+      sort_once_each(others);
+      link.insert(link.end(), others.begin(), others.end());
     });
     to_.link_begin = std::move(links.begin);
     to_.link = std::move(links.entry);
