@@ -80,8 +80,8 @@ template <class Append> Lists list_entries(int32_t count, int threads, const App
 }
 
 void sort_once_each(std::vector<int32_t> &items) {
-  std::ranges::sort(items);
-  items.erase(std::ranges::unique(items).begin(), items.end());
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
 class Builder {
