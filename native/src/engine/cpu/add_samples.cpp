@@ -178,9 +178,9 @@ template <class Wide> struct Adder {
   Lanes turning_near(const Seen &seen, const Part &part, const Lanes &extent, float near) const {
     constexpr float quarters[4][3] = {// the middle, and the size
                                       {0.0f, 0.0f, -0.5f},
-                                      {-root2, 0.0f, 0.5f},
-                                      {0.5f * root2, 0.5f * root6, 0.5f},
-                                      {0.5f * root2, -0.5f * root6, 0.5f}};
+                                      {0.5f * corner_place[0][0], 0.5f * corner_place[0][1], 0.5f},
+                                      {0.5f * corner_place[1][0], 0.5f * corner_place[1][1], 0.5f},
+                                      {0.5f * corner_place[2][0], 0.5f * corner_place[2][1], 0.5f}};
     Lanes sum = 0.0f;
     for (const auto &[u, v, size] : quarters)
       for (const float(&point)[2] : four_places) {
