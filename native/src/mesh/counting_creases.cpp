@@ -10,8 +10,9 @@
 namespace paradesc {
 
 // Returns whether the other edges turn the normals less than the creases do, or turn them by noise alone.
-static bool stands_out(const EdgeLine &, const Turning &turning) {
+static bool stands_out(const EdgeLine &, const TurningWithin &turning_within) {
   constexpr double most_others = 0.7;
+  const Turning turning = turning_within(1);
   return turning.edges >= turning.others || turning.others_net2 <= most_others * most_others * turning.edges * turning.edges;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct Turning {
   double others = 0;      // absolute bends of all other edges
   double net = 0;         // norm of the tensor of all edges, in which bends back and forth cancel
   double others_net2 = 0; // squared norms of the other edges' tensors by octant, less those expected of random signs
+
+  double purity() const { return edges / others; }
 };
 
 struct EdgeLine {
@@ -32,7 +35,9 @@ struct EdgeLines {
   std::vector<EdgeLine> line;
 };
 
-using JudgePlace = bool (*)(const EdgeLine &, const Turning &);
+// Returns the turning in a ball around a place whose radius is this part of the line's reach.
+using TurningWithin = std::function<Turning(double)>;
+using JudgePlace = bool (*)(const EdgeLine &, const TurningWithin &);
 
 // Joins edges that share points into lines, and judges each line by the surroundings of places along it.
 // edges: first half-edges, ascending. chosen: (3 * triangle_count) 1 on both sides of these edges. normals: (triangle_count)

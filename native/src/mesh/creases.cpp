@@ -32,6 +32,7 @@ constexpr double line_reach = 4;              // in mean edges of a line
 constexpr double polyhedron = 8, corners = 2; // relative to all other edges
 constexpr double least_net = 0.75;            // relative to a line's bends
 constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
+constexpr double beside = 1.0 / 3, least_purity_beside = 1; // of the reach; of a short line there
 constexpr int least_line = 16; // edges of a line in any other surface
 constexpr int block_size = 1024;
 
@@ -214,14 +215,19 @@ private:
 };
 
 // Returns whether a line continues and its bends are not taken back beside it: see find_creases. More of them must remain if
-// other edges bend more.
-bool goes_on(const EdgeLine &line, const Turning &turning) {
-  const double purity = turning.edges / turning.others, least = std::max(least_net_of_all, least_net - net_for_purity * purity);
-  return turning.net >= least * turning.edges && (line.edges >= least_line || line.ends == 0 || purity >= polyhedron);
+// other edges bend more. Most lines in noise are short, and other edges bend more than they do right beside them.
+bool goes_on(const EdgeLine &line, const TurningWithin &turning_within, double least_purity) {
+  const bool is_short = line.edges < least_line && line.ends > 0;
+  if (is_short && turning_within(beside).purity() < least_purity_beside) return false;
+  const Turning turning = turning_within(1);
+  const double purity = turning.purity(), least = std::max(least_net_of_all, least_net - net_for_purity * purity);
+  return turning.net >= least * turning.edges && purity >= (is_short ? polyhedron : least_purity);
 }
 
-bool goes_on_at_corners(const EdgeLine &line, const Turning &turning) {
-  return goes_on(line, turning) && turning.edges >= corners * turning.others;
+bool goes_on_anywhere(const EdgeLine &line, const TurningWithin &turning_within) { return goes_on(line, turning_within, 0); }
+
+bool goes_on_at_corners(const EdgeLine &line, const TurningWithin &turning_within) {
+  return goes_on(line, turning_within, corners);
 }
 
 } // namespace
@@ -342,7 +348,7 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   edges = union_of(edges, marked.edges);
-  const Creases kept = with_lines(triangles, half_edges, normals, edges, marked, goes_on, threads);
+  const Creases kept = with_lines(triangles, half_edges, normals, edges, marked, goes_on_anywhere, threads);
   if (hidden.empty()) return kept;
   return with_lines(triangles, half_edges, normals, joined_by(half_edges, edges, hidden), kept, goes_on_at_corners, threads);
 }

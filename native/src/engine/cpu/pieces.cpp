@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/cpu/nine_places.h"
+
 namespace paradesc {
 
 static vec3 unit_or(vec3 v, vec3 otherwise) {
@@ -11,8 +13,7 @@ static vec3 unit_or(vec3 v, vec3 otherwise) {
   return square > 0.0f ? v / std::sqrt(square) : otherwise;
 }
 
-// In the coordinates (a, b), the corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)), and the edge midpoints at (sqrt(2), 0)
-// and (-sqrt(1/2), +-sqrt(3/2)). The mean of a quadratic over the triangle is its mean over these midpoints.
+// In the coordinates (a, b), the corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)).
 Sample sample_of_triangle(const vec3 *corners, const vec3 *normals) {
   const vec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], plane = cross(edge, other);
   Sample sample;
@@ -22,11 +23,12 @@ Sample sample_of_triangle(const vec3 *corners, const vec3 *normals) {
   const float twice_area = length(plane);
   sample.area = 0.5f * twice_area;
   if (twice_area > 0.0f) sample.face = plane / twice_area;
-  const auto between = [&](int i, int k) { return unit_or(normals[i] + normals[k], normals[i]); };
-  const vec3 opposite = between(1, 2), left = between(0, 1), right = between(0, 2);
-  sample.normal = (opposite + left + right) * (1.0f / 3.0f);
-  sample.normal_along[0] = (2.0f * opposite - left - right) * 0.23570226f; // sqrt(1/2) / 3
-  sample.normal_along[1] = (left - right) * 0.40824829f;                   // sqrt(3/2) / 3
+  for (const auto &[weight, share] : nine_places) {
+    const vec3 n = unit_or(weight[0] * normals[0] + weight[1] * normals[1] + weight[2] * normals[2], normals[0]);
+    sample.normal += share * n;
+    sample.normal_along[0] += (share * 1.41421356f * (weight[1] + weight[2] - 2.0f * weight[0])) * n;
+    sample.normal_along[1] += (share * 2.44948974f * (weight[1] - weight[2])) * n;
+  }
   return sample;
 }
 

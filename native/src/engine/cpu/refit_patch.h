@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/cpu/ball_sums.h"
+#include "engine/cpu/nine_places.h"
 #include "engine/kernels/lane_memory.h"
 
 namespace paradesc::kernels {
@@ -119,17 +120,17 @@ inline void straighten(Lanes (&normal)[3][3]) {
 }
 
 // The moments of normals, interpolated linearly between unit normals at corners and then normalized: means of n and of x n over a
-// triangle, by the edge midpoints of the four triangles that its own edge midpoints cut it into.
+// triangle.
 struct NormalMoments {
   Lanes n[3], xn[6];
 };
 inline NormalMoments turning_moments(const Lanes (&x)[4][3], const Lanes (&normal)[3][3]) {
   NormalMoments sums{};
-  const auto add = [&](const float(&weights)[3], float share) {
+  for (const auto &[weight, share] : nine_places) {
     Lanes n[3], at[3], square = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
-      n[axis] = weights[0] * normal[0][axis] + weights[1] * normal[1][axis] + weights[2] * normal[2][axis];
-      at[axis] = weights[0] * x[0][axis] + weights[1] * x[1][axis] + weights[2] * x[2][axis];
+      n[axis] = weight[0] * normal[0][axis] + weight[1] * normal[1][axis] + weight[2] * normal[2][axis];
+      at[axis] = weight[0] * x[0][axis] + weight[1] * x[1][axis] + weight[2] * x[2][axis];
       square += n[axis] * n[axis];
     }
     const Lanes scale = share * fast_inversesqrt(max(square, 1e-12f));
@@ -139,17 +140,6 @@ inline NormalMoments turning_moments(const Lanes (&x)[4][3], const Lanes (&norma
       sums.n[axis] += n[axis];
       sums.xn[axis] += at[axis] * n[axis];
       sums.xn[3 + axis] += at[i] * n[k] + at[k] * n[i];
-    }
-  };
-  for (int k = 0; k < 3; ++k) {
-    float quarter[3] = {}, inner[3] = {0.25f, 0.25f, 0.25f};
-    quarter[k] = 0.75f;
-    inner[k] = 0.5f;
-    add(inner, 1.0f / 6.0f);
-    for (const int other : {(k + 1) % 3, (k + 2) % 3}) {
-      quarter[other] = 0.25f;
-      add(quarter, 1.0f / 12.0f);
-      quarter[other] = 0.0f;
     }
   }
   return sums;

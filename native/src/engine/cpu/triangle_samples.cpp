@@ -7,7 +7,7 @@
 namespace paradesc {
 
 float SampleLimit::at(float turn) const {
-  constexpr float hardly = 0.1f, finer = 30.0f; // a turn of 0.1 is 18 degrees
+  constexpr float hardly = 0.1f, finer = 5.0f; // a turn of 0.1 is 18 degrees
   return largest_spread / (1.0f + finer * std::max(turn - hardly, 0.0f));
 }
 
