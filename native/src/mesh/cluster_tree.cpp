@@ -253,19 +253,43 @@ PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
   return found;
 }
 
+// Lists the points component by component, each from its first point outwards, so that clusters are round whatever the order of
+// the input.
+static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
+  const size_t count = neighbors.begin.size() - 1;
+  std::vector<uint8_t> is_listed(count, 0);
+  std::vector<int32_t> order;
+  order.reserve(count);
+  const auto list = [&](int32_t point) {
+    if (is_listed[point]) return;
+    is_listed[point] = 1;
+    order.push_back(point);
+  };
+  for (size_t first = 0, next = 0; first < count; ++first) {
+    list(static_cast<int32_t>(first));
+    for (; next < order.size(); ++next) {
+      checkpoint_at(next);
+      for (int32_t k = neighbors.begin[order[next]]; k < neighbors.begin[order[next] + 1]; ++k) list(neighbors.neighbor[k]);
+    }
+  }
+  return order;
+}
+
 ClusterTree build_point_tree(const PointNeighbors &neighbors) {
-  ClusterGraph graph;
-  graph.begin = neighbors.begin;
-  graph.link.reserve(neighbors.neighbor.size());
-  for (const int32_t neighbor : neighbors.neighbor) graph.link.push_back({neighbor, 1});
-  checkpoint();
-  for (size_t i = 1; i < neighbors.begin.size(); ++i) graph.perimeter.push_back(neighbors.begin[i] - neighbors.begin[i - 1]);
-  graph.items.assign(graph.perimeter.size(), 1);
   ClusterTree tree;
-  tree.item.resize(graph.perimeter.size());
-  std::iota(tree.item.begin(), tree.item.end(), 0);
-  tree.rank = tree.item;
-  checkpoint();
+  tree.item = outwards(neighbors);
+  tree.rank.resize(tree.item.size());
+  for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
+  ClusterGraph graph;
+  graph.link.reserve(neighbors.neighbor.size());
+  for (const int32_t point : tree.item) {
+    checkpoint_at(graph.perimeter.size());
+    for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k)
+      graph.link.push_back({tree.rank[neighbors.neighbor[k]], 1});
+    graph.perimeter.push_back(neighbors.begin[point + 1] - neighbors.begin[point]);
+    graph.begin.push_back(static_cast<int32_t>(graph.link.size()));
+  }
+  graph.items.assign(graph.perimeter.size(), 1);
   build_levels(std::move(graph), tree);
   return tree;
 }
