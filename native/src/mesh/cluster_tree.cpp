@@ -2,6 +2,7 @@
 #include "mesh/cluster_tree.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -253,8 +254,30 @@ PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
   return found;
 }
 
-// Lists the points component by component, each from its first point outwards, so that clusters are round whatever the order of
-// the input.
+namespace {
+
+struct PointSequence {
+  std::vector<int32_t> item, rank;
+
+  explicit PointSequence(std::vector<int32_t> points) : item(std::move(points)), rank(item.size()) {
+    for (size_t i = 0; i < item.size(); ++i) rank[item[i]] = static_cast<int32_t>(i);
+  }
+
+  // How far apart neighbors are in this order, in all.
+  int64_t gaps(const PointNeighbors &neighbors) const {
+    int64_t sum = 0;
+    for (size_t point = 0; point < rank.size(); ++point) {
+      checkpoint_at(point);
+      for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k)
+        sum += std::abs(rank[neighbors.neighbor[k]] - rank[point]);
+    }
+    return sum;
+  }
+};
+
+} // namespace
+
+// Lists the points component by component, each from its first point outwards.
 static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
   const size_t count = neighbors.begin.size() - 1;
   std::vector<uint8_t> is_listed(count, 0);
@@ -275,11 +298,20 @@ static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
   return order;
 }
 
+// Clusters are round if neighbors follow each other closely in the order in which pairs are made. A grid's rows do, and points
+// that a subdivision appended do not.
+static PointSequence closest_sequence(const PointNeighbors &neighbors) {
+  std::vector<int32_t> input(neighbors.begin.size() - 1);
+  std::iota(input.begin(), input.end(), 0);
+  PointSequence given(std::move(input)), by_distance(outwards(neighbors));
+  return given.gaps(neighbors) <= by_distance.gaps(neighbors) ? std::move(given) : std::move(by_distance);
+}
+
 ClusterTree build_point_tree(const PointNeighbors &neighbors) {
+  PointSequence sequence = closest_sequence(neighbors);
   ClusterTree tree;
-  tree.item = outwards(neighbors);
-  tree.rank.resize(tree.item.size());
-  for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
+  tree.item = std::move(sequence.item);
+  tree.rank = std::move(sequence.rank);
   ClusterGraph graph;
   graph.link.reserve(neighbors.neighbor.size());
   for (const int32_t point : tree.item) {

@@ -160,7 +160,8 @@ EdgeLines judge_lines(const Triangles &triangles, const HalfEdges &half_edges, s
                   [&](BallFlood &flood) {
                     for (int i = begin; i < end; ++i) {
                       const EdgeLine &line = lines.line[lines.line_of[places[i]]];
-                      agreed[i] = judge(line, [&](double part) { return bends.around(edges[places[i]], part * line.reach, flood); });
+                      agreed[i] =
+                          judge(line, [&](double part) { return bends.around(edges[places[i]], part * line.reach, flood); });
                     }
                   });
   });

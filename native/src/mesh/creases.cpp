@@ -33,7 +33,7 @@ constexpr double polyhedron = 8, corners = 2; // relative to all other edges
 constexpr double least_net = 0.75;            // relative to a line's bends
 constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
 constexpr double beside = 1.0 / 3, least_purity_beside = 1; // of the reach; of a short line there
-constexpr int least_line = 16; // edges of a line in any other surface
+constexpr int least_line = 16;                              // edges of a line in any other surface
 constexpr int block_size = 1024;
 
 dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }

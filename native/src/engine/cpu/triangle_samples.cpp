@@ -2,7 +2,9 @@
 #include "engine/cpu/triangle_samples.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace paradesc {
 
@@ -42,7 +44,10 @@ SampleCount count_samples(const SampledTriangle &triangle, const SampleLimit &li
   const float turn_of_part = squared_turn(triangle.normal[0], triangle.normal[1], triangle.normal[2]) /
                              std::max(turning_spread / limit.largest_spread, 1.0f);
   const float largest = limit.at(turn_of_part);
-  return {std::max({1.0f, std::sqrt(spread / largest), 0.5f * twice_area / (area_of_equilateral * largest)}), spread <= largest};
+  const float samples = std::max({1.0f, std::sqrt(spread / largest), 0.5f * twice_area / (area_of_equilateral * largest)});
+  constexpr float most = 1e9f;
+  const auto halved = std::bit_ceil(static_cast<uint32_t>(std::ceil(std::min(samples, most))));
+  return {static_cast<float>(halved), spread <= largest};
 }
 
 SampleMap flat(vec4 mean, vec4 first, vec4 second) {
