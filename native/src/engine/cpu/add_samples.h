@@ -22,7 +22,8 @@ struct alignas(16) FlatSample {
   float along[2][3], normal_along[2][3];
   float face[3];
   float noise, facet; // as in a Sample
-  float padding[3];
+  float reach;        // of a triangle's corners from its position
+  float padding[2];
 };
 
 // The map at a sample, for operators: gradient and value. It has the mean and the variation along both directions, like normals.

@@ -28,6 +28,7 @@ private:
   void place_centers(std::span<const int32_t> group);
   void find_patches();
   std::pair<uint32_t, uint32_t> sets_of(int32_t item) const;
+  SphereSets sets_of_part(const FlatSample &part, uint32_t centers) const;
   uint32_t clusters_at_boundary() const;
   void list_samples();
   void finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results);
@@ -217,11 +218,26 @@ void GroupWork::list_samples() {
                   last = divided ? divided_begin_[next_divided + 1] : samples.first[k + 1];
     next_divided += divided;
     for (int32_t i = first; i < last; ++i) {
+      const auto [within, met] = last - first == 1 ? SphereSets{whole, part} : sets_of_part(list.sample[i], whole | part);
       // The kernel that adds to moments takes single samples as cut ones only.
-      append(list, i, with_moments_ ? 0 : whole, whole_);
-      append(list, i, with_moments_ ? whole | part : part, cut_);
+      append(list, i, with_moments_ ? 0 : within, whole_);
+      append(list, i, with_moments_ ? within | met : met, cut_);
     }
   });
+}
+
+// Returns the centers whose balls contain this part of a triangle, and those whose balls may cut it. centers: those from which
+// the triangle is reached.
+SphereSets GroupWork::sets_of_part(const FlatSample &part, uint32_t centers) const {
+  float square = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float gap = part.position[axis] - centers_.middle[axis];
+    square += gap * gap;
+  }
+  const float far = centers_.spread + centers_.radius + part.reach;
+  if (square > far * far) return {};
+  const auto [within, touched] = pass_.target.sphere(centers_, part.position, part.reach);
+  return {within & centers, touched & ~within & centers};
 }
 
 // Divides a very large triangle where it is near the group.

@@ -23,12 +23,15 @@ Sample sample_of_triangle(const vec3 *corners, const vec3 *normals) {
   const float twice_area = length(plane);
   sample.area = 0.5f * twice_area;
   if (twice_area > 0.0f) sample.face = plane / twice_area;
-  for (const auto &[weight, share] : nine_places) {
-    const vec3 n = unit_or(weight[0] * normals[0] + weight[1] * normals[1] + weight[2] * normals[2], normals[0]);
-    sample.normal += share * n;
-    sample.normal_along[0] += (share * 1.41421356f * (weight[1] + weight[2] - 2.0f * weight[0])) * n;
-    sample.normal_along[1] += (share * 2.44948974f * (weight[1] - weight[2])) * n;
+  for (const auto &[weight, twelfths] : nine_places) {
+    const vec3 n = twelfths * unit_or(weight[0] * normals[0] + weight[1] * normals[1] + weight[2] * normals[2], normals[0]);
+    sample.normal += n;
+    sample.normal_along[0] += (weight[1] + weight[2] - 2.0f * weight[0]) * n;
+    sample.normal_along[1] += (weight[1] - weight[2]) * n;
   }
+  sample.normal /= 12.0f; // equal normals keep their length
+  sample.normal_along[0] *= 0.11785113f;
+  sample.normal_along[1] *= 0.20412415f;
   return sample;
 }
 

@@ -126,14 +126,14 @@ struct NormalMoments {
 };
 inline NormalMoments turning_moments(const Lanes (&x)[4][3], const Lanes (&normal)[3][3]) {
   NormalMoments sums{};
-  for (const auto &[weight, share] : nine_places) {
+  for (const auto &[weight, twelfths] : nine_places) {
     Lanes n[3], at[3], square = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       n[axis] = weight[0] * normal[0][axis] + weight[1] * normal[1][axis] + weight[2] * normal[2][axis];
       at[axis] = weight[0] * x[0][axis] + weight[1] * x[1][axis] + weight[2] * x[2][axis];
       square += n[axis] * n[axis];
     }
-    const Lanes scale = share * fast_inversesqrt(max(square, 1e-12f));
+    const Lanes scale = (twelfths / 12.0f) * fast_inversesqrt(max(square, 1e-12f));
     for (Lanes &component : n) component = component * scale;
     for (int axis = 0; axis < 3; ++axis) {
       const int i = axis == 2 ? 1 : 0, k = axis == 0 ? 1 : 2; // xy, xz, yz

@@ -2,9 +2,19 @@
 #include "engine/cpu/samples.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace paradesc {
+
+// The corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)) along both directions.
+static float reach_of(const Sample &sample) {
+  constexpr float rounding = 1.00001f;
+  const vec3 first = sample.along[0], second = sample.along[1];
+  const float square = dot(first, first),
+              beside = 2.0f * square + 6.0f * dot(second, second) + 6.9282032f * std::abs(dot(first, second));
+  return rounding * std::sqrt(std::max(8.0f * square, beside));
+}
 
 FlatSample flat(const Sample &sample, bool is_cluster) {
   FlatSample to{};
@@ -20,6 +30,7 @@ FlatSample flat(const Sample &sample, bool is_cluster) {
   to.is_cluster = is_cluster ? 1.0f : 0.0f;
   to.noise = sample.noise;
   to.facet = sample.facet;
+  to.reach = reach_of(sample);
   return to;
 }
 
