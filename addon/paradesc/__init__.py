@@ -56,7 +56,6 @@ MODULES = (
     "settings.research",
     "settings.properties",
     "settings.animation",
-    "settings.migrations",
     "settings.presets",
     "bake.modal",
     "scene.viewports",

@@ -93,16 +93,6 @@ def test_swelling_sphere_has_the_curvature_of_its_radius_and_the_change(tmp_path
 AUTO = replace(SETTINGS, backend="auto")
 
 
-def test_auto_goes_on_by_the_method_of_frames_that_an_earlier_version_left(tmp_path):
-    target = animated.bent_cylinder(rings=6, sides=8)
-    bake(target, tmp_path / "old", (1, 2))  # by what auto was; no file says the method
-    before = contents(tmp_path / "old")
-    assert bake(target, tmp_path / "old", (1, 2, 3), settings=AUTO) == [3]
-    assert before.items() <= contents(tmp_path / "old").items()
-    bake(target, tmp_path / "software", (3,))
-    assert values(tmp_path / "old", 3).tobytes() == values(tmp_path / "software", 3).tobytes()
-
-
 def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch):
     target = animated.bent_cylinder(rings=6, sides=8)
     assert bake(target, tmp_path / "auto", (1,), settings=AUTO) == [1]
@@ -117,12 +107,10 @@ def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch)
     assert contents(tmp_path / "auto") == contents(tmp_path / "cpu")
 
 
-def test_a_mesh_without_a_uv_map_is_unwrapped_only_where_its_frames_are_of_texture_space(tmp_path, monkeypatch):
+def test_auto_unwraps_no_mesh_without_a_uv_map(tmp_path, monkeypatch):
     target = animated.bent_cylinder(rings=6, sides=8)
     while target.data.uv_layers:
         target.data.uv_layers.remove(target.data.uv_layers[0])
-    bake(target, tmp_path / "old", (1,))
-    assert bake(target, tmp_path / "old", (1, 2), settings=AUTO) == [2]
     monkeypatch.setattr(unwrap, "lay_out", lambda *_: pytest.fail("it was unwrapped"))
     assert bake(target, tmp_path / "new", (1, 2), settings=AUTO) == [1, 2]
 

@@ -13,7 +13,6 @@ import pytest
 
 from paradesc import bridge
 from paradesc.core import job
-from paradesc.core.digests import digest
 from paradesc.files import cache
 from shapes import as_arrays, cube_sphere
 
@@ -211,17 +210,6 @@ def test_every_setting_is_part_of_the_key_but_those_of_the_machine():
         assert other != settings, name
         keys[name] = cache.key_of(arrays, other, "reference")
     assert len(set(keys.values())) == len(keys), keys
-
-
-def test_the_key_of_frames_that_earlier_versions_baked_by_auto_is_that_of_texture_space_without_creases():
-    settings = job.Settings(options=bridge.Options(creases="none"))
-    content = settings.as_dict()
-    arrays = as_arrays(*cube_sphere(4))
-    del content["backend"], content["device_index"], content["creases"]
-    text = json.dumps({**content, "method": "texture space", "version": 1}, sort_keys=True).encode()  # as they wrote it
-    names = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
-    shape = (getattr(arrays, name) for name in names)
-    assert cache.key_of(arrays, settings, "texture space") == digest(np.frombuffer(text, np.uint8), *shape)
 
 
 def test_the_first_machine_says_by_which_method_an_animation_is_baked(tmp_path):

@@ -262,33 +262,7 @@ def test_the_switch_beside_the_button_is_live_mode():
     assert not live.follows
 
 
-# ---- Files of versions with other defaults
-
-
-def test_an_old_file_keeps_the_defaults_of_its_time(tmp_path):
-    scene = bpy.context.scene
-    scene.paradesc.samples = 64  # the add-on was used in it
-    scene.paradesc.property_unset("version")  # as the version that saved it
-    path = saved_scene(tmp_path / "old.blend")
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    scene = bpy.context.scene
-    assert scene.paradesc.descriptors == {"mean_curvature"}
-    assert scene.paradesc.texels == 512
-    assert scene.paradesc_animation.source == "original"
-
-
-def test_a_scene_that_is_appended_from_an_old_file_keeps_them_too(tmp_path):
-    scene = bpy.context.scene
-    scene.name, scene.paradesc.samples = "old", 64
-    scene.paradesc.property_unset("version")
-    path = saved_scene(tmp_path / "old.blend")
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    with bpy.data.libraries.load(str(path)) as (_, wanted):
-        wanted.scenes = ["old"]
-    scene = bpy.data.scenes["old"]
-    bpy.context.window.scene = scene
-    bpy.context.view_layer.update()
-    assert scene.paradesc.descriptors == {"mean_curvature"}
+# ---- Files that Blender saves by itself
 
 
 def used(scene):

@@ -1,4 +1,4 @@
-"""Preset files: saved, shared, checked before use and never executed; those of earlier versions; the command line."""
+"""Preset files: saved, shared, checked before use and never executed; the command line."""
 
 import json
 import os
@@ -12,14 +12,13 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import members  # noqa: E402
-from paradesc.files import old_presets, preset_file, preset_rules  # noqa: E402
+from paradesc.files import preset_file, preset_rules  # noqa: E402
 from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
-OLD = "import bpy\nparadesc = bpy.context.scene.paradesc\n\nparadesc.descriptors = {'cavity'}\nparadesc.samples = 77\n"
 # Changes of a sound file, and a part of the sentence about each.
 FAULTS = {
     "paradesc_preset": [(None, "is missing"), (2, "update the add-on"), ("1", "where the version 1 belongs"),
@@ -247,17 +246,9 @@ def test_what_the_system_refuses_of_a_preset_is_one_sentence(own, monkeypatch):
     def fails(*_words, **_more):
         raise OSError(5, "Input/output error")
 
-    path = own / "old.py"
-    path.write_text("import bpy\n")
-    assert "sets nothing; save the preset again" in refused(path)
-    path.write_text(OLD)
-    with monkeypatch.context() as patched:
-        patched.setattr(type(path), "open", fails)
-        assert "cannot be read: Input/output error" in refused(path)
-    usual = type(path).replace
-    monkeypatch.setattr(type(path), "replace", lambda self, place: fails() if self == path else usual(self, place))
-    with pytest.raises(preset_file.PresetError, match="cannot be put aside"):
-        old_presets.convert(path, lambda *_: None)
+    path = written(own)
+    monkeypatch.setattr(type(path), "open", fails)
+    assert "cannot be read: Input/output error" in refused(path)
 
 
 @pytest.mark.slow
@@ -328,77 +319,6 @@ def test_folders_that_are_missing_or_closed_leave_the_menu_whole(own, preference
     preferences.presets_folder = str(tmp_path / "nowhere")
     own.rmdir()
     assert drawn() == [(preset.label, True) for preset in presets.PRESETS.values()]
-
-
-# ---- Presets of earlier versions
-
-
-def test_old_presets_are_converted_once_and_put_aside(own):
-    (own / "my_mask.py").write_text(OLD)
-    presets.register()
-    assert sorted(path.name for path in own.iterdir()) == ["my_mask.json", "my_mask.py.converted"]
-    assert (own / "my_mask.py.converted").read_text() == OLD
-    content = json.loads((own / "my_mask.json").read_text())
-    assert (content["name"], content["settings"]) == ("my mask", {"descriptors": ["cavity"], "samples": 77})
-    (own / "my_mask.py").write_text(OLD)  # as another program does that converts at the same time
-    presets.register()
-    assert len(list(own.iterdir())) == 3
-    (own / "my_mask.py").write_text(OLD.replace("77", "78"))
-    presets.register()
-    assert json.loads((own / "my_mask_2.json").read_text())["settings"]["samples"] == 78
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "import os; os.system('touch MARK')",
-        "paradesc.samples = __import__('os').system('touch MARK')",
-        "paradesc.more_radii = open('MARK', 'w').name",
-        "paradesc.more_radii = '3'; open('MARK', 'w')",
-        "paradesc.samples = 9 ** 9 ** 9",
-        "paradesc.samples = " + "(" * 900,
-        "paradesc.samples = " + "-" * 1900 + "1",
-        "paradesc.samples = " + "9" * 1900,
-        "paradesc.samples = 1e999",
-        "paradesc.samples = None",
-        "paradesc.samples = 3",
-        "paradesc.descriptors = {('a',)}",
-        "paradesc.backend = 'gpu'",
-        "paradesc.id_data.name = 'x'",
-        "exec('''",
-        "\x00",
-        "x" * 100_000,
-    ],
-)
-def test_old_presets_that_do_anything_else_are_never_executed_and_left_alone(own, tmp_path, line):
-    path, mark = own / "old.py", tmp_path / "mark"
-    text = OLD + line.replace("MARK", str(mark)) + "\n"
-    path.write_text(text)
-    assert refused(path).startswith(f'The preset file "{path}" ')
-    presets.register()
-    assert [entry.name for entry in own.iterdir()] == ["old.py"]
-    assert path.read_text() == text
-    assert not mark.exists()
-    assert drawn()[-1] == ("old.py", False)
-
-
-def test_old_presets_of_others_are_listed_and_stay_as_they_are(own, preferences, tmp_path):
-    shared = tmp_path / "studio"
-    shared.mkdir()
-    (shared / "old.py").write_text(OLD)
-    preferences.presets_folder = str(shared)
-    presets.register()
-    assert drawn()[-1] == ("old", True)
-    assert [path.name for path in shared.iterdir()] == ["old.py"]
-    bpy.ops.paradesc.load_preset(filepath=str(shared / "old.py"))
-    assert bpy.context.scene.paradesc.samples == 77
-
-
-def test_an_old_preset_says_what_blender_would_have_set(tmp_path):
-    path = tmp_path / "old.py"
-    path.write_text(OLD + "# a remark\nparadesc.adaptive = 0.10000000149011612\nparadesc.more_radii = '3, 4'\n")
-    found = old_presets.read_old(path).settings
-    assert found == {"descriptors": ["cavity"], "samples": 77, "adaptive": 0.1, "more_radii": "3, 4"}
 
 
 def test_only_presets_raise_the_error_of_presets():

@@ -55,9 +55,9 @@ def arrays(saved):
 
 @pytest.fixture
 def computed(arrays, archive):
-    """The same where the method has changed since: what it gives now (the manual's values.md says why)."""
-    with np.load(archive.with_suffix(".npz")) as found:
-        return {**arrays, **found}
+    """The same, but what the method gives now where it has changed since (the manual's values.md says why)."""
+    changed = archive.with_suffix(".npz")
+    return {**arrays, **np.load(changed)} if changed.exists() else arrays
 
 
 @pytest.fixture
@@ -222,7 +222,6 @@ def stamps(folder):
 def test_frames_that_are_there_are_not_computed_again(scene, saved):
     before = stamps(saved)
     assert len(before) == 3
-    scene.paradesc.creases = "none"  # as they were baked
     choose("played")
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     assert stamps(saved) == before
@@ -244,9 +243,8 @@ def test_frames_are_baked_and_played_on_in_an_old_file(scene, saved, computed):
 def test_a_preset_that_somebody_kept_sets_what_it_did(scene, saved, expected):
     bpy.ops.paradesc.preset(name="cavity")
     assert values_of(scene.paradesc, expected["preset"]) != expected["preset"]
-    (preset,) = saved.glob("Saved.*")
-    assert bpy.ops.paradesc.load_preset(filepath=str(preset)) == {"FINISHED"}
-    kept = {"backend", "device_index", "material_maps", "space", "shape_key"}
+    assert bpy.ops.paradesc.load_preset(filepath=str(saved / "Saved.json")) == {"FINISHED"}
+    kept = {"backend", "device_index", "material_maps", "space", "shape_key", "cage"}
     kept |= {
         name for name in expected["preset"] if name.startswith(("write_", "image_", "buffers_")) or name == "texels"
     }
@@ -265,8 +263,6 @@ def test_a_farm_goes_on_with_the_scene_settings_of_an_old_file(saved, run, repor
         "1:4",
         "--cache",
         saved / "frames",
-        "--creases",
-        "none",
     )
     ended = run("animate", blend, *words, "--json", "report.json")
     assert ended.code == 0, ended.error

@@ -212,7 +212,7 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     """The open scene with the panels' settings, which are in the .blend whether or not the add-on is enabled."""
     import bpy
 
-    from ..settings import animation, leaving, looks, migrations, properties
+    from ..settings import animation, leaving, looks, properties
 
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene
@@ -225,7 +225,6 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     for module in modules:
         module.register()
     try:
-        migrations.on_load()
         yield bpy.context.scene
     finally:
         for module in modules:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..core import job
 from ..core.color_maps import Look
-from ..files import old_presets, paths, preset_rules
+from ..files import paths, preset_file, preset_rules
 from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
 from .common import UsageError, has_blender
@@ -16,7 +16,7 @@ WITHOUT_OPTION = ("image_format",)
 def is_file(name: str) -> bool:
     """Whether --preset names a file: by its suffix, or because it is the path of an existing file in another folder."""
     path = Path(name)
-    return path.suffix.lower() in old_presets.SUFFIXES or (path.name != name and paths.is_file(path))
+    return path.suffix.lower() == preset_file.SUFFIX or (path.name != name and paths.is_file(path))
 
 
 def check_preset(name: str | None) -> None:

@@ -118,8 +118,6 @@ def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: obje
     """
     content = settings.as_dict()
     del content["backend"], content["device_index"]
-    if content["creases"] == "none":
-        del content["creases"]  # so that keys of frames from before there were creases stay the same
     content.update(more, method=method, version=VERSION)
     text = json.dumps(content, sort_keys=True).encode()
     return digest(
@@ -289,23 +287,6 @@ def kept(folder: Path, frame: int, key: str, content: str) -> bool:
     except ParadescError:
         return False
     return (found.key, found.input) == (key, content)
-
-
-def has_key(folder: Path, key: str) -> bool:
-    """Whether any frame in the folder has this key; only headers are read."""
-    return any(read_key(path) == key for path in frames_in(folder).values())
-
-
-def read_key(path: Path) -> str:
-    """The key in a file's header, "" where there is none."""
-    try:
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                return ""
-            (length,) = struct.unpack("<Q", file.read(8))
-            return str(json.loads(file.read(min(length, LARGEST_HEADER)))["key"])
-    except (OSError, ValueError, TypeError, KeyError, RecursionError, struct.error):
-        return ""
 
 
 # ---- One method for all frames

@@ -17,7 +17,7 @@ from ..core.digests import digest
 from ..core.stream import Stream
 from . import cache
 
-DEVICE_METHOD, CPU_METHOD = METHODS["software"], METHODS["cpu"]
+CPU_METHOD = METHODS["cpu"]
 
 
 class Reading(Protocol):
@@ -78,7 +78,7 @@ class Baker:
             if settled != settings.backend:
                 self.stream.close()
                 self.open(replace(settings, backend=settled))
-            self.key = self.make_key()
+            self.key = self.make_key(self.method, self.base)
             self.notes += job.unused_notes(self.stream.backend, settings.options)
         except BaseException:
             self.stream.close()
@@ -114,28 +114,17 @@ class Baker:
         if own != "auto":
             return own
         animation = self.make_key("", without_layout(self.base))
-        method = cache.settled_method(self.request.folder, animation, self.method_there() or self.method)
+        method = cache.settled_method(self.request.folder, animation, self.method)
         if method == self.method:
             return own
         return "cpu" if method == CPU_METHOD else "software"
 
-    def method_there(self) -> str:
-        """The other method, if frames of an earlier version, or copied ones, have it already; else ""."""
-        folder = self.request.folder
-        if not cache.frames_in(folder) or cache.has_key(folder, self.make_key()):
-            return ""
-        other = CPU_METHOD if self.method == DEVICE_METHOD else DEVICE_METHOD
-        base = self.read_base(other == DEVICE_METHOD)
-        return other if cache.has_key(folder, self.make_key(other, replace(base, maps=self.base.maps))) else ""
-
-    def make_key(self, method: str | None = None, base: MeshArrays | None = None) -> str:
+    def make_key(self, method: str, base: MeshArrays) -> str:
         """A key of the facts that all frames share."""
-        base = self.base if base is None else base
         maps = base.maps
         rest = digest(base.positions) if self.request.relative else ""
         images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
         more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
-        method = self.method if method is None else method
         return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
 
     def names(self) -> list[str]:

@@ -12,7 +12,6 @@ from ..core.color_maps import Look
 from ..core.job import Settings
 from ..core.members import Member
 from . import preset_file
-from .old_presets import read_any
 from .preset_file import Content, Rule, Rules
 
 # These belong to the machine or to an object and not to a purpose, or say where results go.
@@ -96,7 +95,7 @@ def image_members() -> dict[str, Member]:
 def rules() -> Rules:
     """The rule of each member, by section."""
     settings = setting_members()
-    # A preset without a radius fit has the radius that it names, or the default: earlier versions had no fitted radii.
+    # A preset without a radius fit has the radius that it names, or the default.
     settings["radius_fit"] = replace(settings["radius_fit"], words={**settings["radius_fit"].words, "default": "typed"})
     found = {"settings": settings, "colors": members.color_members(), "image": image_members()}
     return {section: {name: rule_of(one) for name, one in there.items()} for section, there in found.items()}
@@ -120,7 +119,7 @@ def rule_of(member: Member) -> Rule:
 
 def sound(path: Path) -> Content:
     """Reads a preset and checks all of it; raises PresetError if anything is wrong."""
-    content = read_any(path)
+    content = preset_file.read(path)
     check(path, content)
     return content
 

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import bridge
 from ..bridge import ParadescError
-from ..files import old_presets, preset_rules
+from ..files import preset_file, preset_rules
 from . import preferences
 
 SUBFOLDER = "paradesc"
@@ -91,7 +90,7 @@ def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
         for entry in entries:
             name = entry.name
             # Blender's properties cannot hold paths that are not valid text. Hidden files are not meant for people.
-            if Path(name).suffix.lower() in old_presets.SUFFIXES and name.isprintable() and not name.startswith("."):
+            if Path(name).suffix.lower() == preset_file.SUFFIX and name.isprintable() and not name.startswith("."):
                 with suppress(OSError):
                     about = entry.stat()
                     found.append((name, about.st_mtime_ns, about.st_size))
@@ -128,15 +127,3 @@ def row_named(name: str) -> Row | None:
     wanted = name.casefold()
     found = [row for row in every_row() if wanted in (row.name.casefold(), row.path.stem.casefold())]
     return min(found, key=lambda row: bool(row.fault), default=None)
-
-
-def convert_own() -> None:
-    """Converts the user's presets of earlier versions to JSON. The menu says why any that remain cannot be."""
-    folder = own_folder()
-    if folder is None or bridge.missing_sentence():
-        return
-    with suppress(OSError):
-        for path in sorted(folder.glob(f"*{old_presets.SUFFIX}")):
-            with suppress(ParadescError, OSError):
-                old_presets.convert(path, preset_rules.check)
-    forget()

@@ -288,11 +288,6 @@ def remove(name: str) -> str:
 classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
 
 
-def register() -> None:
-    """Converts the user's presets of earlier versions."""
-    preset_folders.convert_own()
-
-
 def unregister() -> None:
     """Forgets which preset was chosen last."""
     show_chosen("Presets")

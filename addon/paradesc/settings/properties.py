@@ -7,9 +7,6 @@ from ..core.job import Settings
 from ..core.members import Member
 from . import leaving, preferences, translation
 
-# The version of the defaults that a scene's settings were made with. Files before version 1 store none; those before
-# version 2 have no radius that follows from the mesh.
-VERSION = 2
 RADII = ("radius_percent", "radius_absolute", "radius_edges")
 PROPERTIES = {
     "bool": bpy.props.BoolProperty,
@@ -41,30 +38,17 @@ def property_of(member: Member, **more: object) -> object:
 def make_settings() -> type:
     """Makes the class of the settings, with the registry as it is now."""
     every = [(name, member) for group in members.GROUPS for name, member in group().items()]
-    annotations = {name: property_of(member, update=typed if name in RADII else stamp) for name, member in every}
-    annotations["version"] = bpy.props.IntProperty(
-        name="Version", description="The defaults that files were saved with", default=0, options={"HIDDEN"}
-    )
+    annotations = {name: property_of(member, **({"update": typed} if name in RADII else {})) for name, member in every}
     body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
     return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
-
-
-def stamp(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Stores the version of the present defaults as soon as any setting is stored.
-
-    A save handler would not suffice: Blender calls none when it saves for recovery or appends scenes.
-    """
-    if group.version < VERSION:
-        group.version = VERSION
 
 
 # Not empty while a fitted radius is being set, which therefore does not count as typed.
 showing: list[bool] = []
 
 
-def typed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+def typed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Marks the radius as typed when somebody changes it, so that it stays for other meshes."""
-    stamp(group, context)
     if not showing and group.radius_fit != "typed":
         group.radius_fit = "typed"
 

@@ -4,8 +4,8 @@ Usage: BLENDER_USER_SCRIPTS=FOLDER blender -b --factory-startup -P make.py -- AD
 
 ADDON is the folder `addon` of a built tree of that version, and VERSION names that version. The oldest supported
 Blender, 3.4, has to run it, because newer ones read what it saves. It uses only properties and operators, as people's
-files and scripts do. Beside OUT.zip, OUT.npz has the values that the method of today gives for the same files, where
-they have changed since (addon/manual/values.md); saved_test.py compares what is computed again with them.
+files and scripts do. Where the method has changed since (addon/manual/values.md), OUT.npz beside OUT.zip has the values
+that today's gives for the same files; saved_test.py compares what is computed again with them.
 """
 
 import io
@@ -209,11 +209,10 @@ def main(addon: str, version: str, out: str) -> None:
         packed = io.BytesIO()
         np.savez_compressed(packed, **arrays)
         kept = Path(os.environ["BLENDER_USER_SCRIPTS"]) / "presets" / "paradesc"
-        (preset,) = kept.glob("Saved.*")  # version 0.1.0 writes Python, later ones JSON
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
             for path in (blend, *sorted(folder.rglob("*.pdframe")), *sorted(folder.rglob("*.json"))):
                 archive.write(path, path.relative_to(folder))
-            archive.write(preset, preset.name)
+            archive.write(kept / "Saved.json", "Saved.json")
             archive.writestr("expected.json", json.dumps(expected, indent=1, sort_keys=True))
             archive.writestr("expected.npz", packed.getvalue())
         paradesc.unregister()
