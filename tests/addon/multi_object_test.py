@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import batch, operators  # noqa: E402
+from paradesc.bake import batch, operators, pieces  # noqa: E402
 from paradesc.core import job, spaces  # noqa: E402
 from paradesc.scene import mesh_io, record, targets  # noqa: E402
 from paradesc.ui import panel  # noqa: E402
@@ -78,7 +78,7 @@ def test_a_mesh_that_fails_is_named_and_the_others_are_baked(spheres):
     made = reports(lambda _made: None)
     made.finish(bpy.context)
     assert [piece.name for piece in made.written] == ["first"]
-    assert operators.failures(made)[0].startswith('"second": ')
+    assert pieces.failures(made)[0].startswith('"second": ')
     assert operators.bake_sentence(made).endswith('without "second"')
     assert fingerprint(second) == before
     assert "mean_curvature" in first.data.attributes
@@ -145,7 +145,7 @@ def test_an_object_that_is_gone_meanwhile_is_named(spheres):
     made = reports(lambda _made: None)
     bpy.data.objects.remove(bpy.data.objects["second"])
     made.finish(bpy.context)
-    assert operators.failures(made) == ['The object "second" is gone; nothing was written.']
+    assert pieces.failures(made) == ['The object "second" is gone; nothing was written.']
     assert "mean_curvature" in spheres[0].data.attributes
 
 

@@ -4,7 +4,6 @@ import bpy
 
 from .. import bridge
 from ..bake.modal import ModalJob
-from ..bake.pieces import failures, report_all
 from ..scene import targets
 from ..settings import translation
 from . import sessions
@@ -22,6 +21,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
     bl_label = "Bake Frames"
     bl_options = {"REGISTER", "UNDO"}
     timer_step = 0.02  # a frame may take no longer
+    as_before = "Cancelled; the frames so far are in the cache"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -40,16 +40,8 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         """Returns to the former frame, makes colors span all frames, and reports which frames exist now."""
         batch = self.job
         batch.close()
-        report_all(self.report, batch, batch.pieces)
-        if batch.cancelled:
-            self.report({"INFO"}, "Cancelled; the frames so far are in the cache")
+        if not self.report_pieces(batch):
             return {"CANCELLED"}
-        sentences = failures(batch)
-        if len(batch.failed) == len(batch.pieces):
-            self.report({"ERROR"}, "\n".join(sentences))
-            return {"CANCELLED"}
-        for sentence in sentences:
-            self.report({"WARNING"}, sentence)
         batch.hold_ranges()
         sessions.refresh_window(sessions.live_objects())
         self.report({"INFO"}, frames_sentence(batch))
@@ -58,7 +50,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
 
 def frames_sentence(batch: FrameBatch) -> str:
     """One line about all frames."""
-    sound = [piece for piece in batch.pieces if not piece.failure]
+    sound = batch.written
     there = len(batch.wanted) * len(sound) - sum(piece.made for piece in sound)
     folder = sound[0].folder if len(batch.pieces) == 1 else sound[0].folder.parent
     found = {"made": batch.made, "objects": len(sound), "there": there, "folder": folder}

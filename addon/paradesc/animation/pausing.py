@@ -15,19 +15,6 @@ DRAGGING = ("SCULPT_OT_", "PAINT_OT_", "TRANSFORM_OT_")
 BUTTONS = {"LEFTMOUSE", "RIGHTMOUSE"}
 
 
-def hold() -> object:
-    """Makes live values wait until release() is called with the returned token."""
-    held = object()
-    _holds.append(held)
-    return held
-
-
-def release(held: object) -> None:
-    """Lets live values go on, unless another hold is open."""
-    if held in _holds:
-        _holds.remove(held)
-
-
 def is_held() -> bool:
     """Whether live values wait."""
     return bool(_holds)
@@ -36,11 +23,12 @@ def is_held() -> bool:
 @contextmanager
 def held() -> Iterator[None]:
     """Makes live values wait inside the with statement."""
-    mine = hold()
+    mine = object()
+    _holds.append(mine)
     try:
         yield
     finally:
-        release(mine)
+        _holds.remove(mine)
 
 
 # ---- Strokes

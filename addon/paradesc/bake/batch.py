@@ -8,11 +8,10 @@ import bpy
 
 from ..bridge import ParadescError, abi
 from ..core import job
-from ..core.threads import Worker
 from ..files import bake_files, tile_names
 from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import ObjectKey, OneByOne, Piece, file_words, key_of
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, file_words, key_of
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
@@ -24,17 +23,16 @@ class MeshBake(Piece):
     sharing: list[ObjectKey]  # all chosen objects with this mesh
     files: bake_files.Files | None = None
     reading: source_meshes.Reading | None = None
-    results: job.Results | None = None
     placed: list[Path] = field(default_factory=list)  # files that were written
 
     def drop(self) -> None:
         """Forgets the results, and takes away the files that lie aside."""
-        self.results = None
+        super().drop()
         if self.files is not None:
             self.files.discard()
 
 
-class Batch(OneByOne):
+class Batch(Pieces):
     """Runs the bake operator step by step. Only the computation itself leaves the main thread."""
 
     def __init__(self, context: bpy.types.Context) -> None:
@@ -51,8 +49,8 @@ class Batch(OneByOne):
         super().__init__([MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared])
         self.places = file_places(group, [piece.key for piece in self.pieces])
 
-    def start(self, piece: MeshBake) -> None:
-        """Reads a mesh and starts its worker."""
+    def work_on(self, piece: MeshBake) -> Work:
+        """Reads a mesh and computes; what becomes files lies aside then."""
         target = piece.target()
         if self.write_attributes:
             mesh_io.check_writable(target)
@@ -63,12 +61,7 @@ class Batch(OneByOne):
         image, buffers = self.places[self.current]
         piece.files = bake_files.Files(target.name, mesh_io.world_matrix(target), image, buffers)
         bake_files.check(piece.files, arrays, self.settings.backend)
-        self.worker = Worker(partial(bake_files.run, piece.files, arrays, self.settings))
-        self.worker.start()
-
-    def take(self, piece: MeshBake, worker: Worker[job.Results]) -> None:
-        """Keeps a worker's results until all are there."""
-        piece.results = worker.result()
+        piece.results = yield from computed(partial(bake_files.run, piece.files, arrays, self.settings))
         piece.results.warnings += [*piece.results.facet_notes(), *piece.warnings]
         piece.warnings = piece.results.warnings
         piece.notes += [*piece.results.notes, *piece.results.unused_notes()]
@@ -76,7 +69,7 @@ class Batch(OneByOne):
 
     def close(self) -> None:
         """Cancels the remaining work, waits for it, and removes files that are still aside. Safe to call again."""
-        self.settle()
+        super().close()
         for piece in self.pieces:
             if piece.files is not None:
                 piece.files.discard()
@@ -89,9 +82,9 @@ class Batch(OneByOne):
         if self.written:
             properties.show_radius(context.scene.paradesc, self.written[0].results.settings)
         with modes.object_mode():
-            for piece in self.pieces:
-                if piece.results is not None:
-                    self.attempt(piece, self.write)
+            for piece in self.written:
+                with self.attempt(piece):
+                    self.write(piece)
 
     def write(self, piece: MeshBake) -> None:
         """Moves one mesh's files to their places, then writes its attributes. If the files fail, nothing is written."""
@@ -104,11 +97,6 @@ class Batch(OneByOne):
         if self.write_attributes:
             piece.results.look = self.look
             piece.notes += delivery.deliver(target, piece.results, piece.reading)
-
-    @property
-    def written(self) -> list[MeshBake]:
-        """The meshes whose results are in place."""
-        return [piece for piece in self.pieces if piece.results is not None]
 
 
 # ---- Files

@@ -10,12 +10,11 @@ import bpy
 
 from ..core import job, transfer
 from ..core.color_maps import MASKS
-from ..core.threads import Worker
 from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
 from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
-from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, file_word, find, key_of
 
 # The native library's warning contains these words if it computed on another layout than the UV map.
 LAID_OUT = "laid out afresh"
@@ -30,7 +29,6 @@ class TextureBake(Piece):
     computed: image_files.Computed | None = None  # until all meshes are, if they share a range
     textures: image_files.Textures | None = None
     over: uv_maps.Over | None = None  # the UV map that they lie over
-    begun: float = 0.0  # when it was read
     seconds: float = 0.0  # how long that and the computation lasted
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
     images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
@@ -61,7 +59,7 @@ class TextureBake(Piece):
         )
 
 
-class ImageBatch(OneByOne):
+class ImageBatch(Pieces):
     """Runs the operator step by step. Only the computation itself leaves the main thread."""
 
     def __init__(self, context: bpy.types.Context, onto: bool = False) -> None:
@@ -94,13 +92,14 @@ class ImageBatch(OneByOne):
         """The finished share of all the work."""
         return (self.round - 1 + super().fraction) / self.rounds
 
-    def step(self, wait: bool = False) -> None:
-        """Continues with the current mesh. After the last mesh of the first round, drawing begins."""
-        super().step(wait)
-        computed = [results for piece in self.pieces if piece.computed is not None for results in piece.computed.found]
-        if self.done and not self.cancelled and self.round < self.rounds and computed:
-            self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, computed))
+    def work(self) -> Work:
+        """Processes all meshes, twice if they share a scale: drawing then begins once all are measured."""
+        yield from super().work()
+        measured = [results for piece in self.pieces if piece.computed is not None for results in piece.computed.found]
+        if self.rounds > 1 and measured:
+            self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, measured))
             self.round, self.current = self.rounds, 0
+            yield from super().work()
 
     @property
     def written(self) -> list[TextureBake]:
@@ -112,49 +111,14 @@ class ImageBatch(OneByOne):
         """How long the work has lasted."""
         return time.monotonic() - self.started
 
-    def start(self, piece: TextureBake) -> None:
-        """Reads a mesh and starts its worker, or starts drawing what was computed of it."""
+    def work_on(self, piece: TextureBake) -> Work:
+        """Reads a mesh and computes its textures, or draws those that were computed in the first round."""
         if piece.failure:
             return
-        if piece.computed is not None:
-            piece.begun = time.monotonic()
-            self.work(partial(image_files.packed, piece.computed, self.choice))
-            return
-        target, piece.begun = piece.target(), time.monotonic()
-        if self.folder is not None:
-            fault = file_fault(self.folder / f"{piece.stem}.png")
-            if fault:
-                raise mesh_io.refuse(fault)
-        own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
-        read, piece.over = uv_maps.read_over(target, self.settings, own)
-        piece.told = [piece.over.note] if piece.over.note else []
-        piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
-        if piece.highs:
-            self.work(self.work_onto(piece, pairs.part_of(target, read)))
-        else:
-            run = image_files.run if self.rounds == 1 else image_files.computed
-            self.work(partial(run, piece.stem, read.measured, self.settings, self.choice))
-
-    def work(self, function: Callable[..., object]) -> None:
-        """Starts a worker."""
-        self.worker = Worker(function)
-        self.worker.start()
-
-    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
-        """Reads the detailed meshes of a piece; returns the work that measures them."""
-        highs = []
-        for high in map(find, piece.highs):
-            read = targets.read(high, self.settings, self.request)
-            piece.notes += read.notes
-            piece.warnings += read.warnings
-            highs.append(pairs.part_of(high, read))
-        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
-        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
-
-    def take(self, piece: TextureBake, worker: Worker[image_files.Computed | image_files.Textures]) -> None:
-        """Keeps a worker's textures until all are there."""
-        made = worker.result()
-        piece.seconds += time.monotonic() - piece.begun
+        begun = time.monotonic()
+        drawing = piece.computed and partial(image_files.packed, piece.computed, self.choice)
+        made = yield from computed(drawing or self.measuring(piece))
+        piece.seconds += time.monotonic() - begun
         if self.round < self.rounds:
             piece.computed = made
             return
@@ -166,12 +130,40 @@ class ImageBatch(OneByOne):
         others = [line for line in found.warnings if line not in harmless]
         piece.warnings = [*others, *found.facet_notes(), *piece.warnings]
 
+    def measuring(self, piece: TextureBake) -> Callable[..., object]:
+        """Reads a mesh; returns the work that measures it."""
+        target = piece.target()
+        if self.folder is not None:
+            fault = file_fault(self.folder / f"{piece.stem}.png")
+            if fault:
+                raise mesh_io.refuse(fault)
+        own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
+        read, piece.over = uv_maps.read_over(target, self.settings, own)
+        piece.told = [piece.over.note] if piece.over.note else []
+        piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
+        if piece.highs:
+            return self.measuring_onto(piece, pairs.part_of(target, read))
+        run = image_files.run if self.rounds == 1 else image_files.computed
+        return partial(run, piece.stem, read.measured, self.settings, self.choice)
+
+    def measuring_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
+        """Reads the detailed meshes of a piece; returns the work that measures them."""
+        highs = []
+        for high in map(find, piece.highs):
+            read = targets.read(high, self.settings, self.request)
+            piece.notes += read.notes
+            piece.warnings += read.warnings
+            highs.append(pairs.part_of(high, read))
+        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
+        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
+
     def close(self) -> None:
         """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
-        self.settle()
+        super().close()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
-                self.attempt(piece, self.take_map_away)
+                with self.attempt(piece):
+                    self.take_map_away(piece)
                 piece.over = None
 
     def take_map_away(self, piece: TextureBake) -> None:
@@ -186,7 +178,8 @@ class ImageBatch(OneByOne):
         if self.written:
             properties.show_radius(bpy.context.scene.paradesc, self.written[0].textures.results.settings)
         for piece in self.written:
-            self.attempt(piece, self.write)
+            with self.attempt(piece):
+                self.write(piece)
 
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""

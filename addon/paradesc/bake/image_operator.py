@@ -8,13 +8,13 @@ from .fit import RadiusOption
 from .image_batch import ImageBatch
 from .mask_option import MaskOption
 from .modal import ModalJob
-from .pieces import failures, report_all
 
 
 class ImageJob(MaskOption, RadiusOption, ModalJob):
     """Base of the operators that bake textures. Their own mask and radius replace those of the panel."""
 
     onto = False  # the pairs among the selected meshes
+    as_before = "Cancelled; no image was written"
 
     def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
         """Applies the operator's mask and radius, and makes the batch; beside: there is a window."""
@@ -23,24 +23,16 @@ class ImageJob(MaskOption, RadiusOption, ModalJob):
         return ImageBatch(context, self.onto)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Keeps all textures and says where; after Esc it keeps none."""
+        """Keeps all textures and says where."""
         batch = self.job
-        if batch.cancelled:
-            self.report({"INFO"}, "Cancelled; no image was written")
-            return {"CANCELLED"}
         batch.finish()
         self.show_radius(context.scene.paradesc)
-        report_all(self.report, batch, batch.written)
-        failed = failures(batch)
-        if not batch.written:
-            self.report({"ERROR"}, "\n".join(failed))
+        if not self.report_pieces(batch):
             return {"CANCELLED"}
         for piece in batch.written:
             made = piece.result(batch.choice.size)
             image_preview.reveal(piece.target(), piece.images[piece.textures.most_telling()], made.uv_map, made.cage)
-        for sentence in failed:
-            self.report({"WARNING"}, sentence)
-        self.report({"WARNING" if failed else "INFO"}, image_sentence(batch))
+        self.report({"WARNING" if batch.failed else "INFO"}, image_sentence(batch))
         return {"FINISHED"}
 
 

@@ -1,14 +1,13 @@
 """Runs work without blocking the window, with progress in the panel and Esc; scripts run the same steps in a row."""
 
 from collections.abc import Iterator
-from typing import Protocol
 
 import bpy
 
 from ..bridge import ParadescError
-from ..core.threads import Worker
 from ..settings import translation
 from ..settings.snapshot import Snapshot
+from .pieces import Pieces, Steps, failures, report_all
 
 # Events that move the view; everything else waits until the work has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
@@ -18,41 +17,15 @@ VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "
 BUTTON_EVENTS = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"}
 
 
-class Steps(Protocol):
-    """Work in steps on the main thread. A step may start a worker, or take in the results of one that has ended."""
-
-    worker: Worker | None
-    cancelled: bool
-
-    @property
-    def done(self) -> bool:
-        """Whether no step is left, or the work is at rest after cancelling."""
-
-    @property
-    def fraction(self) -> float:
-        """The finished share of all the work."""
-
-    @property
-    def stage(self) -> str:
-        """Words for the step under way, shown as progress."""
-
-    def step(self, wait: bool = False) -> None:
-        """Takes the next step. wait: waits for the worker under way, instead of only checking whether it has ended."""
-
-    def cancel(self) -> None:
-        """Makes the work end as soon as its worker notices."""
-
-    def close(self) -> None:
-        """Cancels the remaining work, waits for it, and cleans up. Safe to call again."""
-
-
 class ModalJob:
-    """Base of modal operators that run Steps. Subclasses define obstacle(), begin() and finish()."""
+    """Base of modal operators that run Steps. Subclasses define obstacle(), begin(), as_before and finish()."""
 
     # The work under way in the window, for the panel. A modal operator takes all events, so there is at most one.
     running: Steps | None = None
     # Seconds between two checks of the worker.
     timer_step = 0.1
+    # The sentence after Esc.
+    as_before = ""
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -64,8 +37,25 @@ class ModalJob:
         raise NotImplementedError
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the results of self.job and reports them; after Esc it only reports that it was cancelled."""
+        """Writes the results of self.job and reports them."""
         raise NotImplementedError
+
+    def finished(self, context: bpy.types.Context) -> set[str]:
+        """Finishes; after Esc it only reports that the job was cancelled."""
+        if not self.job.cancelled:
+            return self.finish(context)
+        self.report({"INFO"}, translation.said(self.as_before))
+        return {"CANCELLED"}
+
+    def report_pieces(self, batch: Pieces) -> bool:
+        """Reports notes, warnings and failures of all pieces; False if all of them failed."""
+        report_all(self.report, batch, batch.written)
+        if not batch.written:
+            self.report({"ERROR"}, "\n".join(failures(batch)))
+            return False
+        for sentence in failures(batch):
+            self.report({"WARNING"}, sentence)
+        return True
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -83,7 +73,7 @@ class ModalJob:
         try:
             while not self.job.done:
                 self.job.step(wait=True)
-            ended = self.finish(context)
+            ended = self.finished(context)
         finally:  # also after Ctrl-C
             self.end(ended)
         return ended
@@ -135,7 +125,7 @@ class ModalJob:
                 self.show_progress(context)
                 return {"RUNNING_MODAL"}
             self.clean_up(context)
-            ended = self.finish(context)
+            ended = self.finished(context)
         except BaseException:
             self.cancel(context)
             raise

@@ -13,7 +13,6 @@ from .batch import Batch
 from .fit import RadiusOption
 from .mask_option import MaskOption
 from .modal import ModalJob
-from .pieces import failures, report_all
 
 # The line of a bake lists so many names of skipped objects at most.
 LISTED = 3
@@ -46,6 +45,7 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
     bl_idname = "paradesc.bake"
     bl_label = "Bake Mask"
     bl_options = {"REGISTER", "UNDO"}
+    as_before = "Cancelled; every mesh is as it was"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -62,23 +62,16 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes all results and reports them; after Esc it changes no mesh at all."""
+        """Writes all results and reports them."""
         batch = self.job
-        if batch.cancelled:
-            self.report({"INFO"}, "Cancelled; every mesh is as it was")
-            return {"CANCELLED"}
         keep_for_undo(context)
         batch.finish(context)
         self.show_radius(context.scene.paradesc)
         self.show_levels(context.scene.paradesc_looks)
-        report_all(self.report, batch, batch.written)
-        if not batch.written:
-            self.report({"ERROR"}, "\n".join(failures(batch)))
+        if not self.report_pieces(batch):
             return {"CANCELLED"}
         if batch.write_attributes:
             viewports.reveal(context)
-        for sentence in failures(batch):
-            self.report({"WARNING"}, sentence)
         for path in [path for piece in batch.written for path in piece.placed]:
             self.report({"INFO"}, translation.said("Wrote {path}").format(path=path))
         self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch) + skipped_clause(self.skipped))

@@ -1,11 +1,12 @@
 """The base of bakes of meshes and of frames: a list of objects, processed one after another by workers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
 
-from ..bridge import ParadescError, abi
+from ..bridge import ParadescError, ProgressFunction, abi
 from ..core.threads import Worker
 from ..files import file_names
 from ..settings.translation import label, said
@@ -27,9 +28,10 @@ ObjectKey = tuple[str, str | None]  # an object's name and library: objects them
 
 @dataclass
 class Piece:
-    """One object of a bake, with its failure, notes and warnings."""
+    """One object of a bake, with its results, or its failure, and with notes and warnings."""
 
     key: ObjectKey
+    results: object = field(default=None, kw_only=True)  # of the computation
     failure: str = field(default="", kw_only=True)  # one sentence
     notes: list[str] = field(default_factory=list, kw_only=True)
     warnings: list[str] = field(default_factory=list, kw_only=True)  # about what limits its results
@@ -45,69 +47,97 @@ class Piece:
 
     def drop(self) -> None:
         """Drops what was computed, because something went wrong."""
+        self.results = None
+
+
+Work = Iterator[Worker | None]  # on the main thread; each worker that it yields has ended before it goes on
+
+
+def computed(work: Callable[[ProgressFunction], object], name: str = "paradesc") -> Generator[Worker, None, object]:
+    """Computes beside the main thread, and returns the result."""
+    worker = Worker(work, name)
+    worker.start()
+    yield worker
+    return worker.result()
 
 
 # Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
 # then crashes if the process ends while a bake runs.
-class Pieces:
-    """Pieces processed one after another. Subclasses define step(), which continues the current one, and fraction."""
+class Steps:
+    """Runs the generator work() in steps, whenever the worker that it waits for has ended. Subclasses define work()."""
 
-    def __init__(self, pieces: list[Piece]) -> None:
-        """Starts with no piece under way."""
-        self.pieces = pieces
-        self.current = 0  # the number of pieces that are finished
+    def __init__(self) -> None:
+        """Starts with no worker under way."""
         self.worker: Worker | None = None
         self.cancelled = False
+        self.done = False  # whether no step is left, or the work is at rest after cancelling
+        self._work = self.work()
 
-    @property
-    def under_way(self) -> bool:
-        """Whether the current piece has been begun."""
-        return self.worker is not None
-
-    @property
-    def done(self) -> bool:
-        """Whether every piece has been computed or has failed, or the bake is cancelled and at rest."""
-        return not self.under_way and (self.cancelled or self.current == len(self.pieces))
-
-    @property
-    def failed(self) -> list[Piece]:
-        """The pieces that failed."""
-        return [piece for piece in self.pieces if piece.failure]
-
-    def step(self, wait: bool = False) -> None:
-        """Continues with the current piece. wait: waits for its worker, instead of checking whether it has ended."""
+    def work(self) -> Work:
+        """All of it. A yielded None lets the window breathe."""
         raise NotImplementedError
 
-    def join(self) -> Worker:
-        """Waits for the worker and detaches it. If Ctrl-C interrupts the wait, the worker stays for settle()."""
-        self.worker.join()
-        worker, self.worker = self.worker, None
-        return worker
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the work if its worker has ended; wait: waits for that. A cancelled one is closed instead."""
+        if self.done or (self.worker is not None and not wait and not self.worker.done):
+            return
+        if self.worker is not None:
+            self.worker.join()  # if Ctrl-C interrupts the wait, the worker stays for close()
+            self.worker = None
+        if self.cancelled:
+            self._work.close()
+            self.done = True
+            return
+        try:
+            self.worker = next(self._work)
+        except StopIteration:
+            self.done = True
 
     def cancel(self) -> None:
-        """Asks the worker to stop; the bake ends once it has."""
+        """Asks the worker to stop; the work ends once it has."""
         self.cancelled = True
         if self.worker is not None:
             self.worker.cancel()
 
-    def settle(self) -> None:
-        """Cancels the remaining work and waits until nothing is under way. Safe to call again."""
+    def close(self) -> None:
+        """Cancels the remaining work, waits for it, and cleans up. Safe to call again."""
         if not self.done:
             self.cancel()
         while not self.done:
             self.step(wait=True)
 
 
-class OneByOne(Pieces):
-    """Meshes, each processed by one worker. Subclasses define start() and take()."""
+class Pieces(Steps):
+    """Pieces processed one after another. Subclasses define work_on()."""
 
-    def start(self, piece: Piece) -> None:
-        """Reads a mesh and starts its worker."""
+    def __init__(self, pieces: list[Piece]) -> None:
+        """Starts before the first piece."""
+        super().__init__()
+        self.pieces = pieces
+        self.current = 0  # the number of pieces that are finished
+
+    def work(self) -> Work:
+        """Processes all pieces."""
+        for piece in self.pieces:
+            with self.attempt(piece):
+                yield from self.work_on(piece)
+            self.current += 1
+            if self.current < len(self.pieces):
+                yield None
+
+    def work_on(self, piece: Piece) -> Work:
+        """Reads the mesh of a piece, computes, and keeps the results until those of all pieces are there."""
         raise NotImplementedError
 
-    def take(self, piece: Piece, worker: Worker) -> None:
-        """Keeps a worker's results until all are there."""
-        raise NotImplementedError
+    @contextmanager
+    def attempt(self, piece: Piece) -> Iterator[None]:
+        """Makes an error the failure of this piece, so that the others go on."""
+        try:
+            yield
+        except ParadescError as error:
+            self.cancelled = self.cancelled or error.status == abi.STATUS_CANCELLED
+            piece.failure = error.sentence
+            piece.drop()
 
     @property
     def fraction(self) -> float:
@@ -118,40 +148,26 @@ class OneByOne(Pieces):
     @property
     def stage(self) -> str:
         """Words for the step under way, shown as progress."""
-        own = stage_words(self.worker.stage if self.worker else "read")
+        own = stage_words(self.worker)
         if len(self.pieces) == 1 or self.current == len(self.pieces):
             return own
         several = label("{stage}, mesh {number} of {count}")
         return several.format(stage=own, number=self.current + 1, count=len(self.pieces))
 
-    def step(self, wait: bool = False) -> None:
-        """Starts the worker of the next mesh, or takes in the results of a worker that has ended."""
-        if self.done:
-            return
-        piece = self.pieces[self.current]
-        if self.worker is None:
-            self.attempt(piece, self.start)
-            if piece.failure:
-                self.current += 1
-        elif wait or self.worker.done:
-            worker = self.join()
-            self.current += 1
-            self.attempt(piece, lambda piece: self.take(piece, worker))
+    @property
+    def failed(self) -> list[Piece]:
+        """The pieces that failed."""
+        return [piece for piece in self.pieces if piece.failure]
 
-    def attempt(self, piece: Piece, action: Callable[[Piece], None]) -> None:
-        """Runs one step for a mesh. An error becomes the failure of this mesh, and the others go on."""
-        try:
-            action(piece)
-        except ParadescError as error:
-            if error.status == abi.STATUS_CANCELLED:
-                self.cancelled = True
-            piece.failure = error.sentence
-            piece.drop()
+    @property
+    def written(self) -> list[Piece]:
+        """The pieces whose results are there, or in place by now."""
+        return [piece for piece in self.pieces if piece.results is not None]
 
 
-def stage_words(stage: str) -> str:
-    """A stage in words; every stage of the computation itself reads as measuring."""
-    return label(STAGE_WORDS.get(stage, "Measuring"))
+def stage_words(worker: Worker | None) -> str:
+    """The stage of a worker in words; every stage of the computation itself reads as measuring."""
+    return label(STAGE_WORDS.get(worker.stage if worker else "read", "Measuring"))
 
 
 def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:

@@ -1,18 +1,17 @@
 """The operator that masks cavities or edges in sculpt mode, at the panel's radius, and writes nothing else."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import bpy
 import numpy as np
 
 from ..core import job
-from ..core.threads import Worker
 from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties, translation
 from .fit import RadiusOption
 from .modal import ModalJob
-from .pieces import OneByOne, Piece, failures, key_of, report_all
+from .pieces import Piece, Pieces, Work, computed, key_of
 
 # The panel's masks whose values can be used as a sculpt mask as they are.
 MASKS = ("cavity", "edge_wear", "openness")
@@ -21,18 +20,7 @@ MASKS = ("cavity", "edge_wear", "openness")
 FINE = 200_000
 
 
-@dataclass
-class MaskPiece(Piece):
-    """The mesh in sculpt mode, with its results."""
-
-    results: job.Results | None = None
-
-    def drop(self) -> None:
-        """Forgets the results."""
-        self.results = None
-
-
-class MaskBatch(OneByOne):
+class MaskBatch(Pieces):
     """Computes one mask of the mesh in sculpt mode, as it is sculpted so far."""
 
     def __init__(self, context: bpy.types.Context, mask: str) -> None:
@@ -40,34 +28,20 @@ class MaskBatch(OneByOne):
         chosen = tuple(presets.PRESETS[mask].members["descriptors"])
         settings = properties.job_settings(context.scene.paradesc)
         self.settings = replace(settings, descriptors=chosen, more_radii=())
-        super().__init__([MaskPiece(key_of(context.active_object))])
+        super().__init__([Piece(key_of(context.active_object))])
 
-    def start(self, piece: MaskPiece) -> None:
-        """Reads the mesh, with the shape key that is sculpted, and starts its worker."""
+    def work_on(self, piece: Piece) -> Work:
+        """Reads the mesh, with the shape key that is sculpted, and computes."""
         read = targets.read(piece.target(), self.settings, targets.ReadRequest("active"))
-        piece.warnings = read.warnings
-        self.worker = Worker(partial(job.run, read.measured, quick(self.settings, len(read.measured.triangle_corners))))
-        self.worker.start()
-
-    def take(self, piece: MaskPiece, worker: Worker[job.Results]) -> None:
-        """Keeps the results."""
-        piece.results = worker.result()
-        piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *piece.warnings]
-
-    def close(self) -> None:
-        """Cancels the computation and waits for it. Safe to call again."""
-        self.settle()
+        settings = quick(self.settings, len(read.measured.triangle_corners))
+        piece.results = yield from computed(partial(job.run, read.measured, settings))
+        piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *read.warnings]
 
     def finish(self, invert: bool) -> None:
         """Writes the mask; vertices without a value stay unmasked."""
-        for piece in self.pieces:
-            if piece.results is not None:
-                self.attempt(piece, partial(write, invert=invert))
-
-    @property
-    def written(self) -> list[MaskPiece]:
-        """The mesh, if its mask is in place."""
-        return [piece for piece in self.pieces if piece.results is not None]
+        for piece in self.written:
+            with self.attempt(piece):
+                write(piece, invert)
 
 
 def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
@@ -77,7 +51,7 @@ def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> jo
     return replace(settings, options=replace(settings.options, normals="max"))
 
 
-def write(piece: MaskPiece, invert: bool) -> None:
+def write(piece: Piece, invert: bool) -> None:
     """Writes one mesh's mask, over the range that a bake would show from black to white."""
     ((name, values),) = piece.results.values.items()
     shown = piece.results.shown(name)
@@ -91,6 +65,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
     bl_idname = "paradesc.mask_from_shape"
     bl_label = "Mask from Shape"
     bl_options = {"REGISTER", "UNDO"}
+    as_before = "Cancelled; the mask is as it was"
 
     mask: bpy.props.EnumProperty(
         name="Mask",
@@ -116,17 +91,12 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
         return MaskBatch(context, self.mask)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the mask; after Esc the mask stays as it was."""
+        """Writes the mask."""
         batch = self.job
-        if batch.cancelled:
-            self.report({"INFO"}, "Cancelled; the mask is as it was")
-            return {"CANCELLED"}
         batch.finish(self.invert)
-        if not batch.written:
-            self.report({"ERROR"}, "\n".join(failures(batch)))
+        if not self.report_pieces(batch):
             return {"CANCELLED"}
         viewports.yield_to_mask(context)
-        report_all(self.report, batch, batch.written)
         results = batch.written[0].results
         done = {
             "mask": translation.label(presets.PRESETS[self.mask].label),

@@ -1,7 +1,6 @@
 """The operators of wear: one bakes the needed masks and adds wear to materials, one removes it."""
 
 from dataclasses import replace
-from functools import partial
 
 import bpy
 
@@ -9,9 +8,8 @@ from ..bake.batch import Batch, MeshBake
 from ..bake.image_batch import ImageBatch
 from ..bake.modal import ModalJob
 from ..bake.operators import keep_for_undo
-from ..bake.pieces import ObjectKey, Piece, Pieces, failures, find, report_all
+from ..bake.pieces import ObjectKey, Pieces, Steps, Work, failures, find, report_all
 from ..core.color_maps import Look
-from ..core.threads import Worker
 from ..scene import mesh_io, modes, targets, viewports
 from ..settings import translation
 from ..settings.snapshot import Snapshot
@@ -42,11 +40,12 @@ class ImageMasks(ImageBatch):
         self.choice = replace(self.choice, look=mask_look(self.choice.look))
 
 
-class WearJob:
+class WearJob(Steps):
     """Bakes the masks of all chosen objects: one batch as vertex colors, one as images."""
 
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes settings and selection. The panel's settings are changed for it only temporarily."""
+        super().__init__()
         group, before = context.scene.paradesc, Snapshot(context.scene)
         chosen, source = targets.chosen(context), context.scene.paradesc_animation.source
         coarse = [target for target in chosen if wear.needs_image(target, source)]
@@ -60,26 +59,15 @@ class WearJob:
             ]
         finally:
             before.restore()
+        self.batch = self.batches[0]  # the one under way
 
-    @property
-    def current(self) -> Pieces:
-        """The batch under way, or the last one."""
-        return next((one for one in self.batches if not one.done), self.batches[-1])
-
-    @property
-    def worker(self) -> Worker | None:
-        """The worker that is computing now."""
-        return self.current.worker
-
-    @property
-    def cancelled(self) -> bool:
-        """Whether any batch was cancelled."""
-        return any(one.cancelled for one in self.batches)
-
-    @property
-    def done(self) -> bool:
-        """Whether all batches have ended."""
-        return all(one.done for one in self.batches)
+    def work(self) -> Work:
+        """Bakes one batch after the other."""
+        for batch in self.batches:
+            while not batch.done:
+                self.batch = batch
+                batch.step()
+                yield batch.worker
 
     @property
     def fraction(self) -> float:
@@ -89,19 +77,11 @@ class WearJob:
     @property
     def stage(self) -> str:
         """Words for the step under way, shown as progress."""
-        return self.current.stage
-
-    def step(self, wait: bool = False) -> None:
-        """Takes the next step of the batch under way."""
-        self.current.step(wait)
-
-    def cancel(self) -> None:
-        """Cancels all batches."""
-        for one in self.batches:
-            one.cancel()
+        return self.batch.stage
 
     def close(self) -> None:
-        """Closes all batches."""
+        """Cancels what is left, and closes all batches."""
+        super().close()
         for one in self.batches:
             one.close()
 
@@ -118,6 +98,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
     bl_idname = "paradesc.add_wear"
     bl_label = "Add Wear to Material"
     bl_options = {"REGISTER", "UNDO"}
+    as_before = "Cancelled; every mesh and material is as it was"
 
     look: bpy.props.EnumProperty(
         name="Look",
@@ -149,14 +130,10 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         return WearJob(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the masks and adds wear to the materials; after Esc it changes nothing."""
-        job = self.job
-        if job.cancelled:
-            self.report({"INFO"}, "Cancelled; every mesh and material is as it was")
-            return {"CANCELLED"}
+        """Writes the masks and adds wear to the materials."""
         keep_for_undo(context)
         lost, worn = [], []
-        for batch in job.batches:
+        for batch in self.job.batches:
             self.finish_batch(context, batch, worn)
             report_all(self.report, batch, batch.written)
             lost += failures(batch)
@@ -175,12 +152,13 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
             batch.finish(context)
         for piece in batch.written:
             for key in piece.sharing if at_vertices else [piece.key]:
-                batch.attempt(piece, partial(self.wear_of, key, not at_vertices, worn))
+                with batch.attempt(piece):
+                    self.wear_of(key, not at_vertices, worn)
         if not at_vertices:
             with wear.as_left(find(piece.key) for piece in batch.written):
                 batch.finish()
 
-    def wear_of(self, key: ObjectKey, of_images: bool, worn: list[str], _piece: Piece) -> None:
+    def wear_of(self, key: ObjectKey, of_images: bool, worn: list[str]) -> None:
         """Adds wear to one object, and the name of its material to worn."""
         target, look = find(key), self.look if self.properties.is_property_set("look") else ""
         with modes.object_mode(target):
