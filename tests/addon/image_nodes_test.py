@@ -9,7 +9,7 @@ from image_operator_test import folder, settings  # noqa: E402, F401
 from image_uv_test import add_map  # noqa: E402
 
 from paradesc.core import udim  # noqa: E402
-from paradesc.files import png, png_reading  # noqa: E402
+from paradesc.files import map_images, png  # noqa: E402
 from paradesc.scene import image_nodes, images, node_groups, uv_maps  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -161,7 +161,7 @@ def rendered(path):
     scene.camera, camera.location = camera, (1.0, 0.5, 1.0)
     camera.data.type, camera.data.ortho_scale = "ORTHO", 2.0
     bpy.ops.render.render(write_still=True)
-    return png_reading.read_png(path)[:, :, 0] / 65535
+    return map_images.as_stored(path)[0][:, :, 0] / 65535
 
 
 def test_no_line_shows_where_a_surface_crosses_from_tile_to_tile(tmp_path):

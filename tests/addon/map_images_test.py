@@ -1,4 +1,4 @@
-"""Images of displacement and normal maps read without Blender: every kind of PNG and OpenEXR, as Blender reads them."""
+"""Images of displacement and normal maps read by OpenImageIO: every kind of PNG and OpenEXR, as Blender reads them."""
 
 import struct
 import zlib
@@ -6,11 +6,17 @@ import zlib
 import numpy as np
 import pytest
 
-from paradesc.bridge import InputError
-from paradesc.files import exr, map_images, png, png_reading
-from paradesc.files.exr_reading import read_exr
+pytest.importorskip("OpenImageIO", reason="OpenImageIO is not installed")
 
-COMBINATIONS = [(kind, depth) for kind, depths in png_reading.DEPTHS.items() for depth in depths]
+from paradesc.bridge import InputError
+from paradesc.files import exr, map_images, png
+
+GREY, RGB, PALETTE, GREY_ALPHA, RGB_ALPHA = 0, 2, 3, 4, 6
+CHANNELS = {GREY: 1, RGB: 3, PALETTE: 1, GREY_ALPHA: 2, RGB_ALPHA: 4}
+DEPTHS = {GREY: (1, 2, 4, 8, 16), PALETTE: (1, 2, 4, 8), RGB: (8, 16), GREY_ALPHA: (8, 16), RGB_ALPHA: (8, 16)}
+COMBINATIONS = [(kind, depth) for kind, depths in DEPTHS.items() for depth in depths]
+# First column, first row, step of columns, step of rows of the seven images that an interlaced one is made of (Adam7).
+PASSES = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
 
 
 def filtered(rows, step, filters):
@@ -41,7 +47,7 @@ def write_png(path, image, depth, kind, palette=None, interlaced=False, seed=0):
     """A PNG whose rows have all filters, by turns that chance chooses."""
     chance, content = np.random.default_rng(seed), b""
     step = max(1, image.shape[2] * depth // 8)
-    parts = [image[y::down, x::across] for x, y, across, down in png_reading.PASSES] if interlaced else [image]
+    parts = [image[y::down, x::across] for x, y, across, down in PASSES] if interlaced else [image]
     for part in parts:
         if part.size:
             content += filtered(packed_rows(part, depth), step, chance.integers(0, 5, len(part)))
@@ -54,20 +60,25 @@ def write_png(path, image, depth, kind, palette=None, interlaced=False, seed=0):
     return path
 
 
+def stored(path):
+    """(height, width, channels) numbers of a file, top row first."""
+    return map_images.as_stored(path)[0]
+
+
 def sample(kind, depth, size=(19, 13), seed=1):
     """An image of numbers by chance, and a palette where it needs one."""
     chance = np.random.default_rng(seed)
-    image = chance.integers(0, 2**depth, (*size, png_reading.CHANNELS[kind]))
-    return image, chance.integers(0, 256, (2**depth, 3)) if kind == png_reading.PALETTE else None
+    image = chance.integers(0, 2**depth, (*size, CHANNELS[kind]))
+    return image, chance.integers(0, 256, (2**depth, 3)) if kind == PALETTE else None
 
 
 @pytest.mark.parametrize("interlaced", [False, True])
 @pytest.mark.parametrize(("kind", "depth"), COMBINATIONS)
 def test_every_kind_of_png_is_read_exactly(tmp_path, kind, depth, interlaced):
     image, palette = sample(kind, depth)
-    found = png_reading.read_png(write_png(tmp_path / "x.png", image, depth, kind, palette, interlaced))
+    found = stored(write_png(tmp_path / "x.png", image, depth, kind, palette, interlaced))
     wanted = palette[image[:, :, 0]] if palette is not None else image
-    if kind == png_reading.GREY and depth < 8:
+    if kind == GREY and depth < 8:
         wanted = image * 255 // (2**depth - 1)
     assert found.dtype == (np.uint16 if depth == 16 else np.uint8)
     assert np.array_equal(found, wanted)
@@ -75,17 +86,17 @@ def test_every_kind_of_png_is_read_exactly(tmp_path, kind, depth, interlaced):
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 9), (9, 1), (2, 2), (5, 3), (8, 8)])
 def test_small_interlaced_images_have_parts_that_are_empty(tmp_path, size):
-    image, _ = sample(png_reading.RGB, 16, size)
+    image, _ = sample(RGB, 16, size)
     for interlaced in (False, True):
-        path = write_png(tmp_path / "x.png", image, 16, png_reading.RGB, interlaced=interlaced)
-        assert np.array_equal(png_reading.read_png(path), image)
+        path = write_png(tmp_path / "x.png", image, 16, RGB, interlaced=interlaced)
+        assert np.array_equal(stored(path), image)
 
 
 def test_images_that_paradesc_writes_are_read(tmp_path):
     image = np.random.default_rng(0).integers(0, 65536, (300, 33, 3)).astype(np.uint16)
     for quick in (False, True):
         (tmp_path / "x.png").write_bytes(png.encode_png16(image, {"a": "b"}, quick))
-        assert np.array_equal(png_reading.read_png(tmp_path / "x.png"), image)
+        assert np.array_equal(stored(tmp_path / "x.png"), image)
 
 
 def write_exr(path, channels, compression, kind=2):
@@ -127,8 +138,8 @@ def by_runs(raw):
 def test_every_kind_of_exr_is_read_exactly(tmp_path, compression, kind):
     y = np.round(np.arange(11 * 40).reshape(11, 40) // 50).astype(np.float32)
     path = write_exr(tmp_path / "x.exr", {"R": y, "G": y + 1, "B": 0 * y}, compression, kind)
-    found = read_exr(path)
-    assert all(np.array_equal(found[name], wanted) for name, wanted in (("R", y), ("G", y + 1), ("B", 0 * y)))
+    pixels, _ = map_images.read_image(path)
+    assert np.array_equal(pixels[::-1], np.stack([y, y + 1, 0 * y], axis=2))
 
 
 def test_exr_of_ours_is_read(tmp_path):
@@ -161,7 +172,7 @@ def test_png_has_the_bits_of_blender(tmp_path, kind, depth):
 
 def test_all_numbers_of_16_bits_have_the_bits_of_blender(tmp_path):
     image = np.arange(65536).reshape(256, 256, 1)
-    same_as_blender(write_png(tmp_path / "x.png", image, 16, png_reading.GREY))
+    same_as_blender(write_png(tmp_path / "x.png", image, 16, GREY))
 
 
 @pytest.mark.parametrize("names", ["RGB", "RGBA", "Y", "V", "R"])
@@ -212,34 +223,29 @@ def test_what_cannot_be_read_is_one_sentence(tmp_path):
     assert "of its channels cavity.V, convexity.V none is the one" in refused(tmp_path / "x.exr")
     exr.write_exr(tmp_path / "x.exr", {"A": values})
     assert "of its channels A none" in refused(tmp_path / "x.exr")
-    whole = exr.encode_exr({"Y": values})
-    (tmp_path / "x.exr").write_bytes(whole.replace(b"compression\0\x01\0\0\0\x03", b"compression\0\x01\0\0\0\x04"))
-    assert "it has PIZ compression; save it with ZIP" in refused(tmp_path / "x.exr")
-    (tmp_path / "x.exr").write_bytes(whole[:4] + b"\x02\x02" + whole[6:])
-    assert "save it as plain scan lines" in refused(tmp_path / "x.exr")
-    (tmp_path / "x.png").write_bytes(whole)
-    assert "it is no PNG file" in refused(tmp_path / "x.png")
+    (tmp_path / "x.png").write_bytes(b"GIF89a")
+    assert "OpenImageIO finds it damaged (" in refused(tmp_path / "x.png")
 
 
 def test_files_that_promise_more_than_they_hold_take_no_memory(tmp_path):
-    header = struct.pack(">IIBBBBB", 2**31 - 1, 2**31 - 1, 16, png_reading.RGB_ALPHA, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", 2**31 - 1, 2**31 - 1, 16, RGB_ALPHA, 0, 0, 0)
     body = png.chunk(b"IHDR", header) + png.chunk(b"IDAT", zlib.compress(bytes(1000))) + png.chunk(b"IEND", b"")
     (tmp_path / "x.png").write_bytes(png.SIGNATURE + body)
-    assert "it ends too early" in refused(tmp_path / "x.png")
+    assert "damaged" in refused(tmp_path / "x.png")
     whole = bytearray(exr.encode_exr({"Y": np.zeros((4, 4), np.float32)}))
     place = whole.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
     whole[place : place + 16] = struct.pack("<4i", -(2**31), -(2**31), 2**31 - 1, 2**31 - 1)
     (tmp_path / "x.exr").write_bytes(whole)
-    assert "it ends too early" in refused(tmp_path / "x.exr")
+    assert "damaged" in refused(tmp_path / "x.exr")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "exr"])
 def test_damaged_files_are_one_sentence_or_an_image(tmp_path, suffix):
-    image, _ = sample(png_reading.RGB, 8)
+    image, _ = sample(RGB, 8)
     path, chance = tmp_path / f"x.{suffix}", np.random.default_rng(3)
     if suffix == "png":
-        write_png(path, image, 8, png_reading.RGB)
+        write_png(path, image, 8, RGB)
     else:
         exr.write_exr(path, {"Y": image[:, :, 0].astype(np.float32)})
     whole, refusals = path.read_bytes(), 0

@@ -219,12 +219,17 @@ def test_detail_comes_from_meshes_without_a_uv_map_too(python, tmp_path):
 
 
 def test_frames_are_displaced_by_an_image_and_gone_on_with(python, tmp_path):
+    images = pytest.importorskip("OpenImageIO", reason="OpenImageIO is not installed")
     for frame, size in ((1, (1, 1, 1)), (2, (1, 1, 1.5))):
         sphere_obj(tmp_path, f"ball_{frame}.obj", size)
     write_obj(tmp_path / "ball_3.obj", *cube_sphere(5))
     heights = np.add.outer(*2 * [np.sin(np.arange(64) / 4)]).astype(np.float32)
     exr.write_exr(tmp_path / "h.exr", {"Y": heights})
     words = ("-m", "paradesc", "animate", "ball_#.obj", "--radius", "0.1", "--json", "-", "--displacement", "h.exr")
+    refused = python(*words)
+    assert refused.returncode == 3
+    assert "it needs OpenImageIO, which is not installed; pip install paradesc[io]." in refused.stderr
+    (tmp_path / "modules" / "OpenImageIO").symlink_to(Path(images.__file__).parent)
     report = report_of(python(*words, "--displacement-scale", "0.1"))
     (done,) = report["objects"]
     assert done["made"] == [1, 2, 3]

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image
 
-from paradesc.files import lettering, png, png_reading
+from paradesc.files import lettering, png
 
 SIZE, LABEL = 400, 28
 WORDS = (225, 225, 225)

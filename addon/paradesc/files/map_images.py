@@ -1,4 +1,7 @@
-"""Takes displacement and normal maps from image files, and reads PNG and OpenEXR itself. Never imports bpy."""
+"""Takes displacement and normal maps from image files, which OpenImageIO reads without Blender. Never imports bpy.
+
+OpenImageIO is imported where it is used, and a sentence says how to install it.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,14 +10,15 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import InputError, SurfaceMaps
-from .exr_reading import read_exr
 from .paths import is_file
-from .png_reading import read_png
 
 # The largest number of a channel stands for 1. This multiplies as Blender does, so that an image has the same bits in
 # both.
 STEPS = {np.dtype(kind): np.float32(1.0) / np.float32(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)}
 
+SUFFIXES = (".png", ".exr")
+INSTALL = "pip install paradesc[io]"
+LONGEST = 200  # of a sentence of OpenImageIO's
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # the weights by which Blender turns a color into a number
 # Gives (height, width, 3 or 4) float32 values of a file, rows bottom-up, and whether it has more than 8 bits.
 Reader = Callable[[Path], tuple[np.ndarray, bool]]
@@ -68,43 +72,42 @@ def luminance(pixels: np.ndarray) -> np.ndarray:
 
 def read_image(path: Path) -> tuple[np.ndarray, bool]:
     """(height, width, 3) float32 values of a file as they are, rows bottom-up, and whether that is over 8 bits."""
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise InputError(f'The image "{path}" is none of {", ".join(READERS)}, which are read without Blender.')
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(f'The image "{path}" is none of {", ".join(SUFFIXES)}, which are read without Blender.')
     if not is_file(path):
         raise InputError(f'There is no image "{path}".')
     try:
-        pixels, fine = reader(path)
-    except ValueError as error:
-        raise InputError(f'The image "{path}" cannot be read: {error}.') from error
-    except (OSError, MemoryError) as error:
-        said = getattr(error, "strerror", None) or "there is not enough memory"
+        pixels, names = as_stored(path)
+        pixels = in_three(pixels, names)
+    except (ValueError, MemoryError) as error:
+        said = str(error) or "there is not enough memory"
         raise InputError(f'The image "{path}" cannot be read: {said}.') from error
-    return np.ascontiguousarray(pixels[::-1]), fine
+    steps = STEPS.get(pixels.dtype, np.float32(1))
+    return np.ascontiguousarray(pixels[::-1].astype(np.float32) * steps), pixels.dtype != np.uint8
 
 
-def of_png(path: Path) -> tuple[np.ndarray, bool]:
-    """(height, width, 3) float32 from 0 to 1, top row first, and whether the file has 16 bits."""
-    found = read_png(path)
-    return in_three(found.astype(np.float32) * STEPS[found.dtype]), found.dtype == np.uint16
+def as_stored(path: Path) -> tuple[np.ndarray, list[str]]:
+    """(height, width, channels) numbers of the type in the file, top row first, and the names of the channels."""
+    try:
+        import OpenImageIO as images  # noqa: N813
+    except ImportError as error:
+        raise ValueError(f"it needs OpenImageIO, which is not installed; {INSTALL}") from error
+    as_is = images.ImageSpec()
+    as_is.attribute("oiio:UnassociatedAlpha", 1)  # colors are not multiplied by it
+    opened = images.ImageInput.open(str(path), as_is)
+    pixels = opened and opened.read_image(opened.spec().format)
+    if pixels is None:
+        said = " ".join((opened or images).geterror().split())
+        raise ValueError(f"OpenImageIO finds it damaged ({said[:LONGEST]})")
+    return pixels, list(opened.spec().channelnames)
 
 
-def of_exr(path: Path) -> tuple[np.ndarray, bool]:
-    """(height, width, 3) float32, top row first, of red, green and blue or of a single channel; always floats."""
-    channels = read_exr(path)
-    values = {name: channel for name, channel in channels.items() if name != "A"}
-    if {"R", "G", "B"} <= values.keys():
-        return np.stack([values[name] for name in "RGB"], axis=2), True
-    if len(values) != 1:
-        known = ", ".join(list(channels)[:8])
+def in_three(pixels: np.ndarray, names: list[str]) -> np.ndarray:
+    """(height, width, 3) of red, green and blue, or of a single channel; alpha is dropped."""
+    if {"R", "G", "B"} <= set(names):
+        return pixels[:, :, [names.index(name) for name in "RGB"]]
+    others = [place for place, name in enumerate(names) if name != "A"]
+    if len(others) != 1:
+        known = ", ".join(names[:8])
         raise ValueError(f"of its channels {known} none is the one to take; save it with R, G and B, or with Y")
-    (grey,) = values.values()
-    return in_three(grey[:, :, None]), True
-
-
-def in_three(pixels: np.ndarray) -> np.ndarray:
-    """(height, width, 3) of (height, width, 1 to 4): grey is repeated, and alpha is dropped."""
-    return pixels[:, :, :3] if pixels.shape[2] >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2)
-
-
-READERS = {".png": of_png, ".exr": of_exr}
+    return np.repeat(pixels[:, :, others], 3, axis=2)

@@ -2,12 +2,11 @@
 
 import hashlib
 import json
+import struct
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 
 from .png import SIGNATURE, chunk
-from .png_reading import chunks
 
 KIND, KEYWORD = b"tEXt", b"Paradesc\0"
 Owner = dict[str, str]  # for example the .blend and the object
@@ -55,14 +54,11 @@ def mark_in(content: bytes) -> tuple[int, int] | None:
 
 def beginning(content: bytes) -> Iterator[tuple[bytes, int, int]]:
     """The kind, start and end of each chunk up to the first one with pixels; none if the file is not a PNG."""
-    start = len(SIGNATURE)
-    with suppress(ValueError):
-        for kind, body in chunks(content):
-            end = start + 12 + len(body)
-            yield kind, start, end
-            if kind == b"IDAT":
-                return
-            start = end
+    start, kind = len(SIGNATURE), b""
+    while content.startswith(SIGNATURE) and kind != b"IDAT" and start + 12 <= len(content):
+        length, kind = struct.unpack_from(">I4s", content, start)
+        yield kind, start, start + 12 + length
+        start += 12 + length
 
 
 def digest(content: bytes) -> str:

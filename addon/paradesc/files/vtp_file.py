@@ -6,6 +6,7 @@ Arrays may be text, base64 or raw bytes behind the XML, whole or packed by zlib 
 import base64
 import binascii
 import re
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -14,7 +15,6 @@ import numpy as np
 
 from ..bridge import origin
 from ..core.polygons import PolygonMesh, vertices_at
-from .inflating import MOST, inflated
 from .text_rows import numbers_in
 from .vtk_legacy_file import Cells, sizes_between, triangles_of
 
@@ -24,6 +24,7 @@ KINDS = {
 }  # fmt: skip
 APPENDED = re.compile(rb"<AppendedData[^>]*>")
 ZLIB = "vtkZLibDataCompressor"
+MOST = 1100  # bytes that a packed one can become; zlib packs no tighter
 
 
 @dataclass
@@ -110,6 +111,14 @@ class Document:
                 raise ValueError("what is packed in it is not as long as it promises; it was cut off, or damaged")
             at += length
         return b"".join(found)
+
+
+def inflated(packed: bytes, size: int) -> bytes:
+    """The first bytes of zlib's output, at most size; raises ValueError if the input is damaged."""
+    try:
+        return zlib.decompressobj().decompress(packed, size)
+    except zlib.error as error:
+        raise ValueError("it is damaged") from error
 
 
 def read(path: Path) -> PolygonMesh | None:
