@@ -138,7 +138,7 @@ def bakes(
     """Bakes one mesh at every radius on every backend, in all precisions that it has, with all descriptors at once."""
     for backend in backends:
         names = names_on(backend)
-        precisions = tuple(bridge.PRECISIONS) if bridge.uses_texture_space(backend) else ("full",)
+        precisions = tuple(bridge.CHOICES["precision"][0]) if bridge.uses_texture_space(backend) else ("full",)
         with bridge.Context(backend) as context, context.mesh(arrays) as mesh:
             for precision, radius in product(precisions, radii):
                 label = precision if bridge.uses_texture_space(backend) else backend

@@ -25,14 +25,7 @@ def has(name, value=None):
     """Whether this build has the option, and if it is a choice also the value."""
     if not hasattr(bridge.Options(), name):
         return False
-    tables = {
-        "relocation": "RELOCATIONS",
-        "estimator": "ESTIMATORS",
-        "geodesic": "GEODESICS",
-        "precision": "PRECISIONS",
-    }
-    choices = getattr(bridge, tables.get(name, ""), None)
-    return value is None or choices is None or value in choices
+    return value is None or name not in bridge.CHOICES or value in bridge.CHOICES[name][0]
 
 
 def options(**wanted):

@@ -1,10 +1,11 @@
 """Defines how to compute: the names of all choices in Python, and the options as a C struct."""
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import make_dataclass
 
 from . import abi
 from .library import ParadescError, new_struct
+from .option_table import TABLE, Row
 
 BACKENDS = {
     "auto": abi.BACKEND_AUTO,
@@ -20,54 +21,18 @@ METHODS = {
     "reference": "reference",
     "cpu": "surface samples",
 }
-NORMALS = {"fitted": abi.NORMALS_FITTED, "max": abi.NORMALS_MAX, "mesh": abi.NORMALS_MESH}
-CREASES = {"auto": abi.CREASES_AUTO, "marked": abi.CREASES_MARKED, "none": abi.CREASES_NONE}
-RADIUS_UNITS = {
-    "diagonal": abi.RADIUS_DIAGONAL,
-    "absolute": abi.RADIUS_ABSOLUTE,
-    "mean-edge": abi.RADIUS_MEAN_EDGE,
-}
 
-RELOCATIONS = {
-    "connected": abi.RELOCATION_CONNECTED,
-    "affine": abi.RELOCATION_AFFINE,
-    "paper": abi.RELOCATION_PAPER,
-}
-ESTIMATORS = {
-    "shape-operator": abi.ESTIMATOR_SHAPE_OPERATOR,
-    "integral": abi.ESTIMATOR_INTEGRAL,
-    "extrapolated": abi.ESTIMATOR_EXTRAPOLATED,
-}
-VARIANCE_REDUCTIONS = {"shape": abi.VARIANCE_REDUCTION_SHAPE, "none": abi.VARIANCE_REDUCTION_NONE}
-GEODESICS = {"local": abi.GEODESIC_LOCAL, "chords": abi.GEODESIC_CHORDS}
-DISTANCES = {"euclidean": abi.DISTANCE_EUCLIDEAN, "geodesic": abi.DISTANCE_GEODESIC}
-PATTERNS = {"golden-angle": abi.PATTERN_GOLDEN_ANGLE, "stratified": abi.PATTERN_STRATIFIED}
-ELLIPSES = {"center": abi.ELLIPSE_CENTER, "directional": abi.ELLIPSE_DIRECTIONAL}
-EVALUATIONS = {"vertex": abi.EVALUATE_VERTEX, "texel": abi.EVALUATE_TEXEL}
-PRECISIONS = {"full": abi.PRECISION_FULL, "half": abi.PRECISION_HALF}
-# The choices of each option that is a name, and what a sentence calls the option.
+
+def constant(option: str, name: str) -> int:
+    """C's number for a choice."""
+    words = f"{option.removesuffix('_unit')}_{name}"
+    return getattr(abi, words.upper().replace("-", "_"))
+
+
+# The numbers of the choices of each option that is a name, and what a sentence calls the option.
 CHOICES = {
-    "radius_unit": (RADIUS_UNITS, "radius unit"),
-    "normals": (NORMALS, "kind of normals"),
-    "creases": (CREASES, "choice of creases"),
-    "relocation": (RELOCATIONS, "relocation"),
-    "estimator": (ESTIMATORS, "estimator"),
-    "variance_reduction": (VARIANCE_REDUCTIONS, "variance reduction"),
-    "geodesic": (GEODESICS, "geodesic distance"),
-    "distance": (DISTANCES, "distance"),
-    "pattern": (PATTERNS, "pattern"),
-    "ellipse": (ELLIPSES, "ellipse"),
-    "evaluate": (EVALUATIONS, "place of evaluation"),
-    "precision": (PRECISIONS, "precision"),
+    row.name: ({name: constant(row.name, name) for name, _, _ in row.choices}, row.what) for row in TABLE if row.choices
 }
-NUMBERS = {
-    "samples": "number of samples",
-    "buffer_size": "buffer size",
-    "max_jumps": "number of jumps",
-    "texels": "number of texels",
-}
-# The threshold in radians that --adaptive has if it is given without a number.
-ADAPTIVE_THRESHOLD = 0.05
 
 
 def uses_texture_space(backend: str) -> bool:
@@ -75,33 +40,15 @@ def uses_texture_space(backend: str) -> bool:
     return METHODS[backend] == "texture space"
 
 
-@dataclass
-class Options:
-    """How to compute; the defaults are those of pdesc_options_init."""
-
-    radius: float = 0.02
-    radius_unit: str = "diagonal"
-    samples: int = 256
-    buffer_size: int = 1024
-    normals: str = "fitted"
-    creases: str = "auto"
-    max_jumps: int = 8
-    seed: int = 0
-    seam_error: bool = False
-    relocation: str = "connected"
-    estimator: str = "shape-operator"
-    variance_reduction: str = "shape"
-    geodesic: str = "local"
-    distance: str = "euclidean"
-    pattern: str = "golden-angle"
-    ellipse: str = "center"
-    evaluate: str = "vertex"
-    texels: int = 512
-    precision: str = "full"
-    adaptive: float = 0.0
-    map_descriptor: str = "sphere_volume_normalized"
-    map_sigma: float = 1.0
-    harris_k: float = 0.04
+# How to compute; the defaults are those of pdesc_options_init.
+Options = make_dataclass(
+    "Options",
+    [
+        (name, type(default), default)
+        for name, default in (("radius", 0.02), ("seam_error", False), *((row.name, row.default) for row in TABLE))
+    ],
+    namespace={"__module__": __name__, "__doc__": "How to compute."},
+)
 
 
 def needs_texture_space(options: Options, buffers: bool = False) -> bool:
@@ -119,20 +66,26 @@ def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False
     """The options as a C struct; buffers: whether the baked buffers will be read."""
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
-    native.adaptive = options.adaptive
-    native.map_descriptor = options.map_descriptor.encode()
-    native.map_sigma = options.map_sigma
-    native.harris_k = options.harris_k
-    for name, (choices, what) in CHOICES.items():
-        setattr(native, name, choice(choices, getattr(options, name), what))
-    for name, what in NUMBERS.items():
-        setattr(native, name, int32(getattr(options, name), what))
-    if not 0 <= options.seed < 2**32:
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {options.seed} is not between 0 and {2**32 - 1}.")
-    native.seed = options.seed
+    for row in TABLE:
+        setattr(native, row.name, native_value(row, getattr(options, row.name)))
     native.seam_error = int(options.seam_error)
     native.buffers = int(buffers)
     return native
+
+
+def native_value(row: Row, value: object) -> object:
+    """The value of an option as C has it."""
+    if row.choices:
+        return choice(CHOICES[row.name][0], value, row.what)
+    if isinstance(row.default, str):
+        return value.encode()
+    if isinstance(row.default, float):
+        return value
+    if row.name != "seed":
+        return int32(value, row.what)
+    if not 0 <= value < 2**32:
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {value} is not between 0 and {2**32 - 1}.")
+    return value
 
 
 def choice(names: dict[str, int], name: str, what: str) -> int:

@@ -4,7 +4,7 @@ import argparse
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -61,41 +61,14 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--descriptors", type=or_nothing, metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--radius", type=radii, metavar="R[,R...]",
         help="support radius (default: 0.02), or auto; of several, names end in _r and the radius")  # fmt: skip
-    add("--radius-unit", choices=bridge.RADIUS_UNITS,
-        help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
-    add("--samples", type=int, metavar="N", help="samples around a vertex (default: 256)")
-    add("--buffer", type=int, dest="buffer_size", metavar="N", help="side of the buffers (default: 1024)")
-    add("--normals", choices=bridge.NORMALS, help="vertex normals (default: fitted)")
-    add("--creases", choices=bridge.CREASES,
-        help="hard edges: marked and found by their angle (default), marked ones alone, or none")  # fmt: skip
-    add("--relocation", choices=bridge.RELOCATIONS,
-        help="over seams: by connected cells (default), each sample by affine maps, or as the paper does")  # fmt: skip
-    add("--max-jumps", type=int, metavar="N", help="affine, paper: seams to cross (default: 8)")
-    add("--pattern", choices=bridge.PATTERNS, help="affine, paper: places of the samples")
-    add("--ellipse", choices=bridge.ELLIPSES,
-        help="affine, paper: extent by the distortion at the center, or the largest on the way")  # fmt: skip
-    add("--estimator", choices=bridge.ESTIMATORS,
-        help="curvatures by the fitted shape operator (default), that extrapolated to radius 0, or the paper's integrals")  # fmt: skip
-    add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS,
-        help="integrals with the shape operator as control variate (default), or plain sums")  # fmt: skip
-    add("--geodesic", choices=bridge.GEODESICS,
-        help="along the surface by a local formula (default), or by chords (affine, paper)")  # fmt: skip
-    add("--distance", choices=bridge.DISTANCES, help="what the radius bounds")
-    add("--adaptive", type=float, nargs="?", const=bridge.ADAPTIVE_THRESHOLD,
-        metavar="THRESHOLD", help="half of the samples where normals fit to this angle, in radians")  # fmt: skip
-    add("--evaluate", choices=bridge.EVALUATIONS, help="at vertices, or texels looked up")
-    add("--texels", type=int, metavar="N", help="side of the map of texels (default: 512)")
-    add("--precision", choices=bridge.PRECISIONS, help="of the buffers (default: full)")
-    add("--map-descriptor", metavar="A",
-        help="what the operators (harris, laplacian, ...) work on (default: sphere_volume_normalized)")  # fmt: skip
-    add("--map-sigma", type=float, metavar="S",
-        help="of harris' and difference_of_gaussians' windows, times the radius (default: 1)")  # fmt: skip
-    add("--harris-k", type=float, metavar="K", help="k of harris (default: 0.04)")
+    for row in bridge.TABLE:
+        kind = {"choices": [name for name, *_ in row.choices]} if row.choices else {"type": type(row.default)}
+        flag = row.flag or row.name.replace("_", "-")
+        add(f"--{flag}", dest=row.name, help=row.help, **kind, **row.words)
     add("--backend", choices=bridge.BACKENDS, help="what computes (default: auto)")
     add("--device", type=int, metavar="N", help="which device of the backend (default: the first)")
     add("--memory-limit", type=gigabytes, metavar="GB",
         help="refuse what would take more memory than this (default: half of what is free)")  # fmt: skip
-    add("--seed", type=int, metavar="N", help="of the sampling pattern (default: 0)")
     add("--space", choices=("object", "world"),
         help="measure the mesh itself (default), or as it stands in the world, with the object's scale")  # fmt: skip
     add("--shape-key", choices=("basis", "active"), help="which shape to measure (default: basis)")
@@ -148,8 +121,8 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
     if arguments.descriptors is not None:
         names = tuple(name.strip() for name in arguments.descriptors.split(",") if name.strip())
     job.check_descriptors(names)
-    members = [member.name for member in fields(bridge.Options) if member.name not in ("radius", "seam_error")]
-    given = {name: getattr(arguments, name) for name in members if getattr(arguments, name) is not None}
+    values = {row.name: getattr(arguments, row.name) for row in bridge.TABLE}
+    given = {name: value for name, value in values.items() if value is not None}
     fit = "typed" if arguments.radius else base.radius_fit
     radius, *more = arguments.radius or (base.options.radius, *base.more_radii)
     if radius == balance.AUTO:

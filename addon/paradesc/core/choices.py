@@ -60,13 +60,11 @@ def settings_fault(group: object) -> str:
 def settings_of(group: object, memory_limit: int = 0) -> Settings:
     """The settings as the computation takes them, descriptors in the registry's order."""
     chosen = group.descriptors
-    same = ("samples", "buffer_size", "max_jumps", "texels", "adaptive", "seed", "map_descriptor", "map_sigma")
     return Settings(
         descriptors=tuple(row.name for row in bridge.descriptors() if row.name in chosen),
         options=bridge.Options(
             radius=scaled_radius(group, getattr(group, radius_member(group))),
-            harris_k=group.harris_k,
-            **{name: getattr(group, name) for name in (*same, *bridge.CHOICES)},
+            **{row.name: getattr(group, row.name) for row in bridge.TABLE},
         ),
         backend=group.backend,
         device_index=group.device_index,

@@ -25,11 +25,17 @@ def member(kind: str, **words: object) -> Member:
     return Member(kind, words)
 
 
-RADIUS_UNITS = [
-    ("diagonal", "% of Diagonal", "Percent of the diagonal of the mesh's bounding box"),
-    ("absolute", "Length", "A length of the mesh before the object's scale, or of the scene where World is measured"),
-    ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
-]
+def options(panel: str) -> dict[str, Member]:
+    """The settings for the options of the computation that are in a panel."""
+    return {row.name: option(row) for row in bridge.TABLE if row.panel == panel}
+
+
+def option(row: bridge.Row) -> Member:
+    """The setting for an option of the computation."""
+    words = {"name": row.label, "description": row.about, "default": row.usual or row.default, **row.limits}
+    return Member(row.kind, {**words, **({"items": list(row.choices)} if row.choices else {})})
+
+
 FITS = [
     ("fine", "Fine", "The smallest detail that the mesh has"),
     ("medium", "Medium", "What suits most masks: one and a half edges, or 0.5 % of a dense mesh"),
@@ -55,54 +61,6 @@ IMAGE_FORMATS = [
 OUTSIDE = [
     ("neutral", "Neutral", "The value of a flat surface: 0.5 of values with a sign"),
     ("transparent", "Transparent", "An alpha channel that is 0 there"),
-]
-NORMALS = [
-    ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
-    ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
-    ("mesh", "Of the Mesh", "Take the object's own normals, custom ones included"),
-]
-CREASES = [
-    ("auto", "Automatic", "Edges marked sharp, and edges that bend far more than what lies beside them"),
-    ("marked", "Marked Sharp", "Only edges that are marked sharp"),
-    ("none", "None", "Round every edge as if the surface were smooth"),
-]
-RELOCATIONS = [
-    ("connected", "Connected", "Take what is connected to the vertex; exact over any seams"),
-    ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
-    ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
-]
-ESTIMATORS = [
-    ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
-    ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
-    ("extrapolated", "Extrapolated", "As fitted, without most of what the radius flattens; for large radii, and noise"),
-]
-VARIANCE_REDUCTIONS = [
-    ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),
-    ("none", "None", "Plain sums over samples"),
-]
-GEODESICS = [
-    ("local", "Local", "Distance along the surface by the normal curvature between two points"),
-    ("chords", "Chords", "Sum of chords along the straight way in the UV map; not with connected neighborhoods"),
-]
-DISTANCES = [
-    ("euclidean", "Straight", "Everything within the ball that is connected to the vertex"),
-    ("geodesic", "Along the Surface", "Everything within the radius along the surface"),
-]
-PATTERNS = [
-    ("golden-angle", "Golden Angle", "A spiral; the most even"),
-    ("stratified", "Stratified", "One random place in each square of a grid, as the paper has it"),
-]
-ELLIPSES = [
-    ("center", "At the Vertex", "Stretch the pattern by the distortion at the vertex"),
-    ("directional", "By Direction", "Stretch the pattern by the largest distortion in each direction"),
-]
-EVALUATIONS = [
-    ("vertex", "Vertices", "Evaluate at the vertices themselves"),
-    ("texel", "Texels", "Evaluate at the texels of a map and look the vertices up in it, as the paper does"),
-]
-PRECISIONS = [
-    ("full", "Full", "32-bit numbers"),
-    ("half", "Half", "16-bit numbers: half the memory of the card"),
 ]
 BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 COLOR_MAPS = [
@@ -160,29 +118,15 @@ def default_of(items: list[tuple], wanted: str) -> str:
 
 def descriptor_members() -> dict[str, Member]:
     """The settings for the choice of descriptors."""
-    items, maps = descriptor_items(), map_items()
+    items, maps, found = descriptor_items(), map_items(), options("analysis")
+    found["map_descriptor"].words.update(items=maps, default=default_of(maps, bridge.Options.map_descriptor))
     return {
+        **found,
         "descriptors": member(
             "choices", name="Descriptors",
             description="Descriptors to compute; several cost little more than one",
             items=items,
             default=DEFAULT_DESCRIPTORS & {item[0] for item in items} or {items[0][0]},
-        ),
-        "map_descriptor": member(
-            "choice", name="Map Descriptor",
-            description="The descriptor whose values over the surface the operators work on",
-            items=maps,
-            default=default_of(maps, bridge.Options.map_descriptor),
-        ),
-        "map_sigma": member(
-            "float", name="Sigma",
-            description="Standard deviation of the operators' Gaussian windows, in multiples of the radius",
-            default=bridge.Options.map_sigma, min=0.1, soft_max=2.0, max=4.0, precision=2,
-        ),
-        "harris_k": member(
-            "float", name="Harris k",
-            description="The k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
-            default=bridge.Options.harris_k, min=0.0, max=0.249, precision=3, step=1,
         ),
         "corner_threshold": member(
             "float", name="Corners",
@@ -211,9 +155,7 @@ def neighborhood_members() -> dict[str, Member]:
             description="How far a vertex looks around, in multiples of the mesh's mean edge length",
             default=4.0, min=0.01, soft_max=50.0, precision=2,
         ),
-        "radius_unit": member(
-            "choice", name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
-        ),
+        **options("neighborhood"),
         "radius_fit": member(
             "choice", name="Radius from Mesh",
             description="Each bake fits the radius to the mesh and the mask; typing a radius keeps that one",
@@ -237,32 +179,7 @@ def neighborhood_members() -> dict[str, Member]:
 def quality_members() -> dict[str, Member]:
     """The settings for accuracy, source and device."""
     return {
-        "samples": member(
-            "int", name="Samples",
-            description="Surface samples around every vertex, at least; more are more exact and slower",
-            default=256, min=8, soft_max=1024, max=4096,
-        ),
-        "adaptive": member(
-            "float", name="Adaptive",
-            description="Halve the samples where the error of the fit is below this angle; 0 is never",
-            default=0.0, min=0.0, soft_max=0.2, precision=3, subtype="ANGLE",
-        ),
-        "buffer_size": member(
-            "int", name="Resolution",
-            description="Texels along a side of the buffers of a graphics card; the radius should span at least four. "
-            "It is ignored on the processor",
-            default=1024, min=64, max=8192, subtype="PIXEL",
-        ),
-        "precision": member(
-            "choice", name="Precision", description="Size of numbers on the card", items=PRECISIONS, default="full"
-        ),
-        "normals": member(
-            "choice", name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
-        ),
-        "creases": member(
-            "choice", name="Creases",
-            description="Which edges count as hard", items=CREASES, default="auto"
-        ),
+        **options("quality"),
         "material_maps": member(
             "bool", name="Material Maps",
             description="Measure the surface as the material's Displacement and Normal Map nodes change it",
@@ -279,29 +196,7 @@ def quality_members() -> dict[str, Member]:
 
 def method_members() -> dict[str, Member]:
     """The settings for the method, which researchers compare; the defaults are the most exact."""
-    choices = (
-        ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
-        ("variance_reduction", "Control", "How the noise of integrals is reduced", VARIANCE_REDUCTIONS),
-        ("distance", "Distance", "How the radius is measured", DISTANCES),
-        ("evaluate", "Evaluate At", "Where descriptors are computed", EVALUATIONS),
-        ("relocation", "Over Seams", "How neighborhoods go on over seams", RELOCATIONS),
-        ("pattern", "Pattern", "Places of the samples", PATTERNS),
-        ("ellipse", "Stretch", "How the pattern follows the distortion", ELLIPSES),
-        ("geodesic", "Geodesic", "How distance along the surface is measured", GEODESICS),
-    )
-    members = {
-        name: member("choice", name=label, description=description, items=items, default=items[0][0])
-        for name, label, description, items in choices
-    }
-    members["max_jumps"] = member(
-        "int", name="Max Jumps", description="Number of seams that one sample may cross", default=8, min=0, max=64
-    )
-    members["seed"] = member(
-        "int", name="Seed",
-        description="Random seed of the places of samples; the same settings give the same values",
-        default=0, min=0,
-    )  # fmt: skip
-    return members
+    return options("method")
 
 
 def output_members() -> dict[str, Member]:
@@ -325,11 +220,7 @@ def output_members() -> dict[str, Member]:
             "is added",
             default="//paradesc.exr", subtype="FILE_PATH",
         ),
-        "texels": member(
-            "int", name="Texels",
-            description="Pixels along a side of textures, and of the map that Evaluate At: Texels computes",
-            default=1024, min=16, max=8192, subtype="PIXEL",
-        ),
+        **options("output"),
         "image_outside": member(
             "choice", name="Outside",
             description="What textures show where there is no surface", items=OUTSIDE, default="neutral"

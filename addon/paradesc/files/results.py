@@ -15,6 +15,7 @@ from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
 from ..core.job import Results, Transfer
+from ..core.statistics import statistics
 from . import picture, png
 from .paths import name_fault
 
@@ -203,16 +204,6 @@ def report(baked: Baked) -> dict[str, object]:
         **transfer_report(results.transfer),
         "notes": baked.notes,
         "warnings": results.warnings,
-    }
-
-
-def statistics(values: np.ndarray) -> dict[str, float | int | None]:
-    """The range of (n,) or (n, 3) values, and the number of vertices without a value."""
-    finite = values[np.isfinite(values)]
-    return {
-        "minimum": float(finite.min()) if finite.size else None,
-        "maximum": float(finite.max()) if finite.size else None,
-        "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
     }
 
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from numbers import Integral, Real
 from typing import Literal, TypedDict
 
@@ -23,7 +22,7 @@ Distance = Literal["euclidean", "geodesic"]
 Domain = Literal["vertices", "faces"]
 Backend = Literal["auto", "gpu", "cpu", "software", "reference"]
 
-DEFAULTS = {field.name: field.default for field in fields(bridge.Options)}
+DEFAULTS = {row.name: row.default for row in bridge.TABLE}
 # The settings that belong to the machine, with their largest values.
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
 
@@ -56,9 +55,8 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
     """The settings of a computation; given are options and machine settings by name."""
     known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold", "domain"]
     for name in given:
-        if name not in known or name in ("radius", "seam_error"):
-            names = ", ".join(sorted(set(known) - {"radius", "seam_error"}))
-            raise UnknownOptionError(f"There is no option {shown(name)}; choose from {names}.")
+        if name not in known:
+            raise UnknownOptionError(f"There is no option {shown(name)}; choose from {', '.join(sorted(known))}.")
     radii = radii_of(radius)
     options = {name: option_of(name, value) for name, value in given.items() if name in DEFAULTS}
     machine = {name: whole_number(name, given[name]) for name in WHOLE if name in given}
@@ -97,7 +95,7 @@ def descriptors_of(given: object) -> tuple[str, ...]:
 def radii_of(given: object) -> tuple[float, ...]:
     """One radius or several; the usual one stands for "auto", which settings_of() notes."""
     if isinstance(given, str) and given == balance.AUTO:
-        return (DEFAULTS["radius"],)
+        return (bridge.Options.radius,)
     if isinstance(given, np.ndarray) and given.ndim == 1:
         given = given.tolist()
     several = tuple(given) if isinstance(given, (list, tuple)) else (given,)

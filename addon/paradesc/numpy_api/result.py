@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..bridge import abi
 from ..core import legend
 from ..core.job import Results
-from ..files.results import statistics
+from ..core.statistics import statistics
 from .other_meshes import write_to
 
 AnyMesh = TypeVar("AnyMesh")

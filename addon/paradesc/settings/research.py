@@ -6,15 +6,14 @@ one of them differs from its default, so that none has an effect unseen.
 
 import bpy
 
+from .. import bridge
 from . import preferences
 
 # The research settings, by the property group of the scene.
 RESEARCH = {
     "paradesc": (
-        *("map_sigma", "harris_k", "corner_threshold", "more_radii"),
-        *("adaptive", "precision", "normals", "material_maps"),
-        *("estimator", "variance_reduction", "distance", "evaluate", "relocation", "max_jumps", "pattern", "ellipse"),
-        *("geodesic", "seed"),
+        *(row.name for row in bridge.TABLE if row.research or row.panel == "method"),
+        *("corner_threshold", "more_radii", "material_maps"),
         *("write_attributes", "write_image", "image_format", "image_path", "write_buffers", "buffers_path"),
     ),
     "paradesc_looks": ("symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),

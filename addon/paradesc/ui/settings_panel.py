@@ -4,7 +4,7 @@ import bpy
 from mathutils import Vector
 
 from .. import bridge
-from ..core import devices, spaces
+from ..core import devices, members, spaces
 from ..scene import targets
 from ..settings import preferences
 from ..settings.translation import label
@@ -12,6 +12,8 @@ from .drawing import SettingsPanel, choice, setting
 
 # Backends with baked buffers, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
+# Settings without effect unless samples are carried over seams.
+CARRIED = {"max_jumps", "pattern", "ellipse", "geodesic"}
 # Operators that have Gaussian windows over their map.
 WINDOWED = {"difference_of_gaussians", "harris"}
 
@@ -75,8 +77,9 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws samples, creases and device, and the settings that only graphics devices or research use."""
-        for name in ("samples", "adaptive", "precision", "normals", "creases", "material_maps"):
-            setting(layout, settings, name)
+        for name in (*members.options("quality"), "material_maps"):
+            if name != "buffer_size":
+                setting(layout, settings, name)
         column = layout.column(align=True)
         column.label(text=label("Device"), translate=False)
         text = device_words(devices.label_of(settings.backend, settings.device_index))
@@ -120,21 +123,9 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws estimators, distance and evaluation; settings without effect under the present choices are grey."""
-        carried = settings.relocation != "connected"
-        for name, active in (
-            ("estimator", True),
-            ("variance_reduction", True),
-            ("distance", True),
-            ("evaluate", True),
-            ("relocation", True),
-            ("max_jumps", carried),
-            ("pattern", carried),
-            ("ellipse", carried),
-            ("geodesic", carried),
-            ("seed", True),
-        ):
+        for name in members.options("method"):
             row = layout.row()
-            row.active = active
+            row.active = name not in CARRIED or settings.relocation != "connected"
             setting(row, settings, name)
 
 
@@ -153,12 +144,12 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws attributes, images and buffers, each with its options."""
         setting(layout, settings, "write_attributes")
-        for name, members in (("write_image", ("image_format", "image_path")), ("write_buffers", ("buffers_path",))):
+        for name, parts in (("write_image", ("image_format", "image_path")), ("write_buffers", ("buffers_path",))):
             setting(layout, settings, name)
             if getattr(settings, name):
                 column = layout.column(align=True)
-                for member in members:
-                    setting(column, settings, member)
+                for part in parts:
+                    setting(column, settings, part)
 
 
 def device_words(name: str) -> str:

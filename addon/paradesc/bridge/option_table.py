@@ -1,0 +1,210 @@
+"""The options of a computation, a row each, as plain data.
+
+The C options (options.py), the panel's settings and presets (core/members.py), the options of the command line
+(commands/options.py) and what compute() checks (numpy_api/options.py) are made of these rows.
+"""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Row:
+    """One option."""
+
+    name: str
+    panel: str  # analysis, neighborhood, quality, method (which is research as a whole) or output
+    default: object  # of the library; its type is the option's
+    what: str  # in sentences
+    label: str  # in the panel
+    about: str  # the tooltip
+    help: str  # on the command line
+    choices: tuple[tuple[str, str, str], ...] = ()  # name, label and tooltip of each; C has a constant of that name
+    limits: dict[str, object] = field(default_factory=dict)  # and more for Blender's property
+    words: dict[str, object] = field(default_factory=dict)  # for argparse
+    flag: str = ""  # on the command line, if it is not the name
+    usual: object = None  # the panel's default, if it is not the library's
+    research: bool = False  # few people need it; those of the method anyway
+
+    @property
+    def kind(self) -> str:
+        """The kind of the panel's setting."""
+        return "choice" if self.choices or isinstance(self.default, str) else type(self.default).__name__
+
+
+COUNT = {"metavar": "N"}
+
+TABLE = (
+    Row(
+        "map_descriptor", "analysis", "sphere_volume_normalized", "map descriptor", "Map Descriptor",
+        "The descriptor whose values over the surface the operators work on",
+        "what the operators (harris, laplacian, ...) work on (default: sphere_volume_normalized)",
+        words={"metavar": "A"},
+    ),
+    Row(
+        "map_sigma", "analysis", 1.0, "sigma", "Sigma",
+        "Standard deviation of the operators' Gaussian windows, in multiples of the radius",
+        "of harris' and difference_of_gaussians' windows, times the radius (default: 1)",
+        limits={"min": 0.1, "soft_max": 2.0, "max": 4.0, "precision": 2}, words={"metavar": "S"}, research=True,
+    ),
+    Row(
+        "harris_k", "analysis", 0.04, "Harris k", "Harris k",
+        "The k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
+        "k of harris (default: 0.04)",
+        limits={"min": 0.0, "max": 0.249, "precision": 3, "step": 1}, words={"metavar": "K"}, research=True,
+    ),
+    Row(
+        "radius_unit", "neighborhood", "diagonal", "radius unit", "Unit", "What the radius is measured in",
+        "diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units",
+        choices=(
+            ("diagonal", "% of Diagonal", "Percent of the diagonal of the mesh's bounding box"),
+            (
+                "absolute",
+                "Length",
+                "A length of the mesh before the object's scale, or of the scene where World is measured",
+            ),
+            ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
+        ),
+    ),
+    Row(
+        "samples", "quality", 256, "number of samples", "Samples",
+        "Surface samples around every vertex, at least; more are more exact and slower",
+        "samples around a vertex (default: 256)",
+        limits={"min": 8, "soft_max": 1024, "max": 4096}, words=COUNT,
+    ),
+    Row(
+        "adaptive", "quality", 0.0, "threshold", "Adaptive",
+        "Halve the samples where the error of the fit is below this angle; 0 is never",
+        "half of the samples where normals fit to this angle, in radians",
+        limits={"min": 0.0, "soft_max": 0.2, "precision": 3, "subtype": "ANGLE"},
+        words={"metavar": "THRESHOLD", "nargs": "?", "const": 0.05}, research=True,
+    ),
+    Row(
+        "precision", "quality", "full", "precision", "Precision", "Size of numbers on the card",
+        "of the buffers (default: full)",
+        choices=(
+            ("full", "Full", "32-bit numbers"),
+            ("half", "Half", "16-bit numbers: half the memory of the card"),
+        ),
+        research=True,
+    ),
+    Row(
+        "normals", "quality", "fitted", "kind of normals", "Normals", "Where the vertex normals come from",
+        "vertex normals (default: fitted)",
+        choices=(
+            ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
+            ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
+            ("mesh", "Of the Mesh", "Take the object's own normals, custom ones included"),
+        ),
+        research=True,
+    ),
+    Row(
+        "creases", "quality", "auto", "choice of creases", "Creases", "Which edges count as hard",
+        "hard edges: marked and found by their angle (default), marked ones alone, or none",
+        choices=(
+            ("auto", "Automatic", "Edges marked sharp, and edges that bend far more than what lies beside them"),
+            ("marked", "Marked Sharp", "Only edges that are marked sharp"),
+            ("none", "None", "Round every edge as if the surface were smooth"),
+        ),
+    ),
+    Row(
+        "buffer_size", "quality", 1024, "buffer size", "Resolution",
+        "Texels along a side of the buffers of a graphics card; the radius should span at least four. "
+        "It is ignored on the processor",
+        "side of the buffers (default: 1024)",
+        limits={"min": 64, "max": 8192, "subtype": "PIXEL"}, words=COUNT, flag="buffer",
+    ),
+    Row(
+        "estimator", "method", "shape-operator", "estimator", "Curvatures", "How curvatures are computed",
+        "curvatures by the fitted shape operator (default), that extrapolated to radius 0, or the paper's integrals",
+        choices=(
+            ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
+            (
+                "integral",
+                "Integral",
+                "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii",
+            ),
+            (
+                "extrapolated",
+                "Extrapolated",
+                "As fitted, without most of what the radius flattens; for large radii, and noise",
+            ),
+        ),
+    ),
+    Row(
+        "variance_reduction", "method", "shape", "variance reduction", "Control",
+        "How the noise of integrals is reduced",
+        "integrals with the shape operator as control variate (default), or plain sums",
+        choices=(
+            ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),
+            ("none", "None", "Plain sums over samples"),
+        ),
+    ),
+    Row(
+        "distance", "method", "euclidean", "distance", "Distance", "How the radius is measured",
+        "what the radius bounds",
+        choices=(
+            ("euclidean", "Straight", "Everything within the ball that is connected to the vertex"),
+            ("geodesic", "Along the Surface", "Everything within the radius along the surface"),
+        ),
+    ),
+    Row(
+        "evaluate", "method", "vertex", "place of evaluation", "Evaluate At", "Where descriptors are computed",
+        "at vertices, or texels looked up",
+        choices=(
+            ("vertex", "Vertices", "Evaluate at the vertices themselves"),
+            ("texel", "Texels", "Evaluate at the texels of a map and look the vertices up in it, as the paper does"),
+        ),
+    ),
+    Row(
+        "relocation", "method", "connected", "relocation", "Over Seams", "How neighborhoods go on over seams",
+        "over seams: by connected cells (default), each sample by affine maps, or as the paper does",
+        choices=(
+            ("connected", "Connected", "Take what is connected to the vertex; exact over any seams"),
+            ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
+            ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
+        ),
+    ),
+    Row(
+        "max_jumps", "method", 8, "number of jumps", "Max Jumps", "Number of seams that one sample may cross",
+        "affine, paper: seams to cross (default: 8)", limits={"min": 0, "max": 64}, words=COUNT,
+    ),
+    Row(
+        "pattern", "method", "golden-angle", "pattern", "Pattern", "Places of the samples",
+        "affine, paper: places of the samples",
+        choices=(
+            ("golden-angle", "Golden Angle", "A spiral; the most even"),
+            ("stratified", "Stratified", "One random place in each square of a grid, as the paper has it"),
+        ),
+    ),
+    Row(
+        "ellipse", "method", "center", "ellipse", "Stretch", "How the pattern follows the distortion",
+        "affine, paper: extent by the distortion at the center, or the largest on the way",
+        choices=(
+            ("center", "At the Vertex", "Stretch the pattern by the distortion at the vertex"),
+            ("directional", "By Direction", "Stretch the pattern by the largest distortion in each direction"),
+        ),
+    ),
+    Row(
+        "geodesic", "method", "local", "geodesic distance", "Geodesic", "How distance along the surface is measured",
+        "along the surface by a local formula (default), or by chords (affine, paper)",
+        choices=(
+            ("local", "Local", "Distance along the surface by the normal curvature between two points"),
+            (
+                "chords",
+                "Chords",
+                "Sum of chords along the straight way in the UV map; not with connected neighborhoods",
+            ),
+        ),
+    ),
+    Row(
+        "seed", "method", 0, "seed", "Seed",
+        "Random seed of the places of samples; the same settings give the same values",
+        "of the sampling pattern (default: 0)", limits={"min": 0}, words=COUNT,
+    ),
+    Row(
+        "texels", "output", 512, "number of texels", "Texels",
+        "Pixels along a side of textures, and of the map that Evaluate At: Texels computes",
+        "side of the map of texels (default: 512)",
+        limits={"min": 16, "max": 8192, "subtype": "PIXEL"}, words=COUNT, usual=1024,
+    ),
+)  # fmt: skip
