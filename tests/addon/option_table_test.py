@@ -29,7 +29,7 @@ assert options.native_options(bridge.load_library(), bridge.Options(hue=5)).hue 
 words = {"name": "Hue", "description": "What hue is", "default": 3, "min": 1, "max": 9}
 assert members.method_members()["hue"].words == words
 rule = preset_rules.rules()["settings"]["hue"]
-assert (rule.kind, rule.default, rule.minimum, rule.maximum) == ("int", 3, 1, 9)
+assert (rule.kind, rule.words["max"], rule.default) == ("int", 9, 3)
 known = preset_rules.rules()["settings"] | preset_rules.rules()["image"]
 values = {name: one.default for name, one in known.items()} | {"backend": "cpu", "device_index": -1, "space": "object"}
 assert choices.settings_of(SimpleNamespace(**values | {"hue": 7})).options.hue == 7

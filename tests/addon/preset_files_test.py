@@ -307,7 +307,7 @@ def test_an_open_menu_reads_no_file_twice_and_sees_what_has_changed(own, monkeyp
     monkeypatch.setattr(preset_rules, "sound", lambda path: read.append(path) or whole(path))
     for _ in range(3):
         drawn()
-    monkeypatch.setattr(preset_folders, "PATIENCE", 0.0)
+    monkeypatch.setattr(preset_folders, "PATIENCE", 1e-9)
     drawn()
     assert read == [path]
     path.write_text("{")

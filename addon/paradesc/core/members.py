@@ -19,6 +19,12 @@ class Member:
     kind: str  # bool, int, float, text, choice or choices (any number of them)
     words: dict[str, object]
 
+    @property
+    def default(self) -> object:
+        """The value that nobody has chosen; several choices as a sorted list."""
+        value = self.words.get("default", "")
+        return sorted(value) if self.kind == "choices" else value
+
 
 def member(kind: str, **words: object) -> Member:
     """A setting of this kind; words: name, description, default, and further options of its kind."""

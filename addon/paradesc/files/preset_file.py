@@ -16,6 +16,7 @@ from typing import NoReturn
 import numpy as np
 
 from ..bridge import InputError
+from ..core.members import Member
 from . import file_names
 from .paths import is_file, is_folder
 from .results import write_whole
@@ -37,18 +38,7 @@ class PresetError(InputError):
     """The file cannot be used as a preset. The sentence names the file and the fault, and says what to do."""
 
 
-@dataclass(frozen=True)
-class Rule:
-    """The values that a property may have."""
-
-    kind: str  # bool, int, float, text, choice or choices
-    default: object
-    minimum: float = -math.inf
-    maximum: float = math.inf
-    choices: tuple[str, ...] = ()
-
-
-Rules = dict[str, dict[str, Rule]]  # by section, then by property
+Rules = dict[str, dict[str, Member]]  # by section, then by property
 
 
 @dataclass(frozen=True)
@@ -213,7 +203,7 @@ def check(path: Path, content: Content, rules: Rules) -> None:
                 refuse(path, f"has {quoted(value)} as {quoted(name)} in {section}; give {wanted}")
 
 
-def wanted_instead(rule: Rule, value: object) -> str:
+def wanted_instead(rule: Member, value: object) -> str:
     """The values that a property accepts, in words, if this value is not one of them; else ""."""
     if rule.kind == "bool":
         return "" if isinstance(value, bool) else "true or false"
@@ -222,33 +212,31 @@ def wanted_instead(rule: Rule, value: object) -> str:
     if rule.kind == "text":
         sound = isinstance(value, str) and value.isprintable() and len(value) <= LONGEST_TEXT
         return "" if sound else f"a line of at most {LONGEST_TEXT} characters"
-    several = rule.kind == "choices"
+    several, names = rule.kind == "choices", [item[0] for item in rule.words["items"]]
     given = value if isinstance(value, list) else [value]
-    sound = isinstance(value, list if several else str) and given and all(item in rule.choices for item in given)
-    return "" if sound else f"{'a list of some' if several else 'one'} of {', '.join(rule.choices)}"
+    sound = isinstance(value, list if several else str) and given and all(item in names for item in given)
+    return "" if sound else f"{'a list of some' if several else 'one'} of {', '.join(names)}"
 
 
-def wanted_number(rule: Rule, value: object) -> str:
+def wanted_number(rule: Member, value: object) -> str:
     """The numbers that a property accepts, in words, or "" for this value. Floats are compared as Blender's 32 bits."""
-    kinds = int if rule.kind == "int" else (int, float)
-    sound = isinstance(value, kinds) and not isinstance(value, bool) and abs(value) <= LARGEST_NUMBER
-    if sound:
-        same = int if rule.kind == "int" else np.float32
-        low, high = (item if math.isinf(item) else same(item) for item in (rule.minimum, rule.maximum))
-        sound = low <= same(value) <= high
-    if sound:
-        return ""
-    bounds = [f"from {rule.minimum:.10g}"] if math.isfinite(rule.minimum) else []
-    bounds += [f"to {rule.maximum:.10g}"] if math.isfinite(rule.maximum) else []
-    return " ".join(["a whole number" if rule.kind == "int" else "a number", *bounds])
+    is_whole = rule.kind == "int"
+    low, high = (rule.words.get(end, far if is_whole else None) for end, far in (("min", -(2**31)), ("max", 2**31 - 1)))
+    sound = isinstance(value, int if is_whole else (int, float)) and not isinstance(value, bool)
+    if sound and abs(value) <= LARGEST_NUMBER:
+        same = int if is_whole else np.float32
+        if (low is None or same(low) <= same(value)) and (high is None or same(value) <= same(high)):
+            return ""
+    bounds = [f"{word} {end:.10g}" for word, end in (("from", low), ("to", high)) if end is not None]
+    return " ".join(["a whole number" if is_whole else "a number", *bounds])
 
 
-def completed(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
+def completed(members: dict[str, object], rules: dict[str, Member]) -> dict[str, object]:
     """Every property of a section; those that the preset does not name have their defaults."""
     return {name: members.get(name, rule.default) for name, rule in rules.items()}
 
 
-def as_kept(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
+def as_kept(members: dict[str, object], rules: dict[str, Member]) -> dict[str, object]:
     """The values in Blender's form: floats in 32 bits, choices as sets."""
     kinds = {"float": lambda value: float(np.float32(value)), "choices": set}
     return {name: kinds.get(rules[name].kind, lambda value: value)(value) for name, value in members.items()}

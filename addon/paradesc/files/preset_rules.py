@@ -12,11 +12,10 @@ from ..core.color_maps import Look
 from ..core.job import Settings
 from ..core.members import Member
 from . import preset_file
-from .preset_file import Content, Rule, Rules
+from .preset_file import Content, Rules
 
 # These belong to the machine or to an object and not to a purpose, or say where results go.
 NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key", "cage"}
-NOTHING = {"bool": False, "int": 0, "float": 0.0, "text": ""}
 
 
 # ---- Our own
@@ -97,21 +96,7 @@ def rules() -> Rules:
     settings = setting_members()
     # A preset without a radius fit has the radius that it names, or the default.
     settings["radius_fit"] = replace(settings["radius_fit"], words={**settings["radius_fit"].words, "default": "typed"})
-    found = {"settings": settings, "colors": members.color_members(), "image": image_members()}
-    return {section: {name: rule_of(one) for name, one in there.items()} for section, there in found.items()}
-
-
-def rule_of(member: Member) -> Rule:
-    """The rule of one setting."""
-    words, kind = member.words, member.kind
-    names = tuple(item[0] for item in words.get("items", ()))
-    if kind == "choices":
-        return Rule(kind, sorted(words["default"]), choices=names)
-    default = words.get("default", NOTHING[kind] if kind in NOTHING else names[0])
-    bounds = {name: words[short] for name, short in (("minimum", "min"), ("maximum", "max")) if short in words}
-    if kind == "int":
-        bounds = {"minimum": -(2**31), "maximum": 2**31 - 1, **bounds}
-    return Rule(kind, default, **bounds, choices=names)
+    return {"settings": settings, "colors": members.color_members(), "image": image_members()}
 
 
 # ---- Checking

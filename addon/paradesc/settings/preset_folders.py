@@ -3,7 +3,8 @@
 import os
 import time
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import bpy
@@ -27,18 +28,6 @@ class Row:
     name: str
     purpose: str = ""
     fault: str = ""  # the reason why it cannot be used, or ""
-
-
-@dataclass
-class Listing:
-    """The content of a folder when it was last read."""
-
-    looked: float
-    stamps: list[tuple[str, int, int]]
-    rows: list[Row] = field(default_factory=list)
-
-
-listings: dict[Path, Listing] = {}
 
 
 def own_folder(create: bool = False) -> Path | None:
@@ -68,23 +57,13 @@ def is_own(path: Path) -> bool:
 
 
 def rows_in(folder: Path | None) -> list[Row]:
-    """The presets in a folder, sorted by name. They are read again only if a file has changed."""
-    if folder is None:
-        return []
-    known, now = listings.get(folder), time.monotonic()
-    if known is not None and now - known.looked < PATIENCE:
-        return known.rows
-    stamps = stamps_in(folder)
-    if known is None or known.stamps != stamps:
-        rows = [row_of(folder / name) for name, _, _ in stamps[:MOST_FILES]]
-        listings[folder] = Listing(now, stamps, sorted(rows, key=lambda row: row.name.casefold()))
-    else:
-        known.looked = now
-    return listings[folder].rows
+    """The presets in a folder, sorted by name. A file is read again only if it has changed."""
+    return [] if folder is None else listed(folder, int(time.monotonic() / PATIENCE))
 
 
-def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
-    """Name, time and size of each file that may be a preset; empty if the folder cannot be read."""
+@lru_cache(maxsize=16)
+def listed(folder: Path, _when: int) -> list[Row]:
+    """The presets in a folder, sorted by name; none if it cannot be read."""
     found = []
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
@@ -93,11 +72,12 @@ def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
             if Path(name).suffix.lower() == preset_file.SUFFIX and name.isprintable() and not name.startswith("."):
                 with suppress(OSError):
                     about = entry.stat()
-                    found.append((name, about.st_mtime_ns, about.st_size))
-    return sorted(found)
+                    found.append((folder / name, about.st_mtime_ns, about.st_size))
+    return sorted((row_of(*one) for one in sorted(found)[:MOST_FILES]), key=lambda row: row.name.casefold())
 
 
-def row_of(path: Path) -> Row:
+@lru_cache(maxsize=16 * MOST_FILES)
+def row_of(path: Path, _time: int, _size: int) -> Row:
     """A preset file as the menu lists it; a file that cannot be used has its file name."""
     try:
         content = preset_rules.sound(path)
@@ -108,7 +88,8 @@ def row_of(path: Path) -> Row:
 
 def forget() -> None:
     """Makes every folder be read again when it is needed next."""
-    listings.clear()
+    listed.cache_clear()
+    row_of.cache_clear()
 
 
 def every_row() -> list[Row]:
@@ -117,9 +98,8 @@ def every_row() -> list[Row]:
 
 
 def row_at(path: Path) -> Row | None:
-    """The row of a file that was listed before; no folder is read."""
-    listing = listings.get(path.parent)
-    return next((row for row in listing.rows if row.path == path), None) if listing else None
+    """The row of a file in its folder."""
+    return next((row for row in rows_in(path.parent) if row.path == path), None)
 
 
 def row_named(name: str) -> Row | None:

@@ -2,8 +2,9 @@
 
 import bpy
 
+from ..core.members import Member
 from ..files import preset_file, preset_rules
-from ..files.preset_file import Content, Rule
+from ..files.preset_file import Content
 
 
 def apply(scene: bpy.types.Scene, content: Content) -> None:
@@ -23,7 +24,7 @@ def apply(scene: bpy.types.Scene, content: Content) -> None:
         set_members(scene.paradesc, content.image, known["image"])
 
 
-def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Rule]) -> None:
+def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Member]) -> None:
     """Sets the values that differ. radius_fit comes last, because setting a radius marks it as typed."""
     kept = preset_file.as_kept(values, known)
     for name in sorted(kept, key="radius_fit".__eq__):
