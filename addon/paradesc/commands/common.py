@@ -145,7 +145,7 @@ def tell_openjd(kind: str, text: str) -> None:
         sys.__stdout__.flush()
 
 
-class Progress:
+class Progress(Signals):
     """Shows how far the work is on the standard error stream, and lets Ctrl-C and SIGTERM cancel it at the next tile.
 
     auto: one line that is written over and over, on a terminal only; lines: a line every few percent, for a farm's log;
@@ -153,11 +153,11 @@ class Progress:
     """
 
     def __init__(self, mode: str = "auto") -> None:
+        super().__init__()
         self.line = {"lines": write_line, "openjd": write_openjd}.get(mode)
         self.shown = mode == "auto" and sys.stderr.isatty()
         self.time = 0.0
         self.last = -1.0
-        self.signals = Signals()
 
     def __call__(self, stage: str, fraction: float) -> bool:
         """Shows the stage and the percentage; False once the work has to stop."""
@@ -169,16 +169,16 @@ class Progress:
         if self.line is not None and (fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last):
             self.last = fraction
             self.line(stage, fraction)
-        return self.signals.stopped is None
-
-    def __enter__(self) -> "Progress":
-        self.signals.__enter__()
-        return self
+        return self.stopped is None
 
     def __exit__(self, *error: object) -> None:
-        self.signals.__exit__(*error)
+        super().__exit__(*error)
         if self.shown:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
-        if self.signals.stopped is not None:
-            raise self.signals.stopped
+        self.check()
+
+    def check(self) -> None:
+        """Raises the exception of Ctrl-C or SIGTERM once one has come."""
+        if self.stopped is not None:
+            raise self.stopped

@@ -4,7 +4,7 @@ import argparse
 import os
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -171,7 +171,7 @@ def spread(
     arguments: argparse.Namespace, work: Work, names: list[str], workers: int, progress: Progress
 ) -> Iterator[Done]:
     """Computes the assets here, in other processes, or on Dask's workers; yields each when it is done."""
-    check = stopping(progress)
+    check = progress.check
     if arguments.dask:
         with spreading.connected(arguments.dask) as client:
             yield from spreading.on_dask(work, names, client, check)
@@ -181,16 +181,6 @@ def spread(
         for index, name in enumerate(names):
             check()
             yield assets.measure(work, name, job.part_of(progress, index, len(names)))
-
-
-def stopping(progress: Progress) -> Callable[[], None]:
-    """A check that raises the exception of Ctrl-C or SIGTERM once one has come."""
-
-    def check() -> None:
-        if progress.signals.stopped is not None:
-            raise progress.signals.stopped
-
-    return check
 
 
 def write_listing(path: Path, lines: dict[str, str]) -> None:

@@ -221,7 +221,8 @@ def wanted_instead(rule: Member, value: object) -> str:
 def wanted_number(rule: Member, value: object) -> str:
     """The numbers that a property accepts, in words, or "" for this value. Floats are compared as Blender's 32 bits."""
     is_whole = rule.kind == "int"
-    low, high = (rule.words.get(end, far if is_whole else None) for end, far in (("min", -(2**31)), ("max", 2**31 - 1)))
+    low, high = (-(2**31), 2**31 - 1) if is_whole else (None, None)
+    low, high = rule.words.get("min", low), rule.words.get("max", high)
     sound = isinstance(value, int if is_whole else (int, float)) and not isinstance(value, bool)
     if sound and abs(value) <= LARGEST_NUMBER:
         same = int if is_whole else np.float32
