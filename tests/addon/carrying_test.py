@@ -356,13 +356,3 @@ def test_in_edit_mode_the_base_mesh_is_measured_and_shown():
     bpy.ops.object.mode_set(mode="OBJECT")
     assert ours(target) == []
     assert len(attribute_values(target.data, "convexity")) == 8
-
-
-def test_a_result_object_of_an_earlier_version_stays_and_is_named(capfd):
-    target = box()
-    former = bpy.data.objects.new("box_paradesc", bpy.data.meshes.new("box_paradesc"))
-    former[record.PROPERTY] = "box"
-    bake("convexity")
-    assert 'The object "box_paradesc" of an earlier version stays as it is' in capfd.readouterr().out
-    assert len(former.data.vertices) == 0
-    assert len(ours(target)) == 1

@@ -50,16 +50,13 @@ def test_every_viewport_gets_back_what_it_showed():
     assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
 
 
-def test_a_viewport_that_was_set_since_stays_and_old_files_are_read():
+def test_a_viewport_that_was_set_since_stays():
     screen = Screen()
     for _, shading in viewports.shadings(screen):
         viewports.show_attributes(screen, shading)
     screen.areas[0].spaces.active.shading.color_type = "SINGLE"
     viewports.restore(screen)
     assert screen.shown() == ["SINGLE", "RANDOM", "VERTEX"]
-    screen[viewports.FORMER] = "MATERIAL"
-    viewports.restore(screen)
-    assert screen.shown() == ["SINGLE", "RANDOM", "MATERIAL"]
 
 
 def looks(shading):
@@ -108,16 +105,6 @@ def test_who_sculpts_keeps_the_light_or_gets_it_back():
     assert shading.light == "STUDIO"
     viewports.restore(screen)
     assert (shading.light, shading.color_type) == ("STUDIO", "MATERIAL")
-
-
-def test_what_earlier_versions_kept_of_each_viewport_is_restored():
-    screen = Screen()
-    for _, shading in viewports.shadings(screen):
-        shading.color_type = "VERTEX"
-    screen[viewports.FORMER] = {"0": "MATERIAL", "2": "RANDOM"}
-    viewports.restore(screen)
-    assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
-    assert screen.lights() == ["STUDIO"] * 3
 
 
 def test_a_viewport_that_was_split_off_gets_back_what_the_other_one_showed():

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from mesh_io_test import made_up_results
-from paradesc.scene import carrying, mesh_io, record, sculpt_masks
+from paradesc.scene import carrying, mesh_io, sculpt_masks
 from scene import add_sphere, select, small_bake
 
 NAME = "mean_curvature"
@@ -342,12 +342,6 @@ def of_an_own_object(group):
     group.nodes[carrying.CARRIER].inputs["Object"].default_value = add_sphere("mine", steps=2)
 
 
-def result_object(target):
-    """What earlier versions left where modifiers lose vertices."""
-    made = add_sphere(f"{target.name}_paradesc", steps=2)
-    made[record.PROPERTY] = target.name
-
-
 def long_name(target):
     """An object whose name leaves no room for an ending."""
     target.name = "x" * 60
@@ -410,7 +404,6 @@ WRITERS = {
     ),
     **{f"carried values, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
     "carried values of a long name": Writer(remeshed, long_name),
-    "result object of an earlier version": Writer(remeshed, result_object),
     "live values": Writer(live, attribute(NAME)),
     "live values over what was painted": Writer(live, painted(f"{NAME}_color"), changes={"coverage"}),
     "values painted over after live ones": Writer(bake, painted(f"{NAME}_color", live), changes={"coverage"}),

@@ -37,7 +37,7 @@ def deliver_generated(target: bpy.types.Object, results: Results, reading: sourc
     mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
     mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
     carrying.carry(target, mesh, measured(arrays, is_lost))
-    return mesh_io.moved_notes(at) + former_notes(target)
+    return mesh_io.moved_notes(at)
 
 
 def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
@@ -94,15 +94,6 @@ def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:
         tree.insert(position, vertex)
     tree.balance()
     return np.array([tree.find(position)[1] for position in mesh_io.read_positions(mesh).tolist()], np.int64)
-
-
-def former_notes(target: bpy.types.Object) -> list[str]:
-    """A note about result objects of earlier versions, which stay as they are."""
-    found = [item for item in bpy.data.objects if item.get(record.PROPERTY) == target.name and item.library is None]
-    return [
-        f'The object "{item.name}" of an earlier version stays as it is: values are on "{target.name}" itself now.'
-        for item in found
-    ]
 
 
 # ---- Copies

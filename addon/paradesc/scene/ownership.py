@@ -3,7 +3,7 @@
 An attribute or vertex group is ours if a bake, or a button that copies values, has made it. Its fingerprint, kept in a
 custom property of the mesh, tells whether somebody has painted or edited it since: then it is the user's. After a
 change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values
-while they change at every frame, and what earlier versions have left.
+while they change at every frame.
 """
 
 import itertools

@@ -12,7 +12,7 @@ from ..settings import hooks, preferences
 from . import image_preview, node_groups, record
 
 # The custom property of the screen that keeps the former solid shading by the number of the viewport's area, so that a
-# saved file can still restore it. Earlier versions kept only the color type, or one for all viewports.
+# saved file can still restore it.
 FORMER = "paradesc_color_type"
 # The custom property with the numbers of viewports that were solid before they showed materials.
 SOLID_BEFORE = "paradesc_solid_before"
@@ -38,10 +38,7 @@ def shadings(screen: bpy.types.Screen | None) -> Iterator[tuple[str, bpy.types.V
 
 def formers(screen: bpy.types.Screen) -> dict[str, Look]:
     """The former shadings of viewports, by number."""
-    kept = screen.get(FORMER, {})
-    if isinstance(kept, str):
-        kept = dict.fromkeys((number for number, _ in shadings(screen)), kept)
-    return {number: {"color_type": one} if isinstance(one, str) else dict(one) for number, one in kept.items()}
+    return {number: dict(one) for number, one in screen.get(FORMER, {}).items()}
 
 
 def settle(screen: bpy.types.Screen) -> None:
