@@ -320,11 +320,12 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
 
 
 def test_every_preset_of_the_panel_is_one_here():
-    from paradesc.commands.preset_options import found_preset, with_preset
+    from paradesc.commands.preset_options import found_preset
+    from paradesc.files import preset_rules
     from paradesc.settings import presets
 
     for name in presets.PRESETS:
-        settings = with_preset(found_preset(name), None)
+        settings = preset_rules.settings_of(found_preset(name), None)
         job.check_descriptors(settings.descriptors)
         assert set(settings.descriptors) == presets.PRESETS[name].members["descriptors"]
 

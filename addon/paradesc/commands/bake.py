@@ -10,7 +10,7 @@ from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
 from ..core.color_maps import Look
 from ..core.face_centers import DOMAINS
-from ..files import results
+from ..files import preset_rules, results
 from . import images, pairs
 from .common import (
     Parser,
@@ -35,7 +35,7 @@ from .options import (
     settings_of,
 )
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
-from .preset_options import check_preset, look_of_preset, notes_of_preset
+from .preset_options import check_preset, notes_of_preset
 from .reading import Target, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def asked_look(arguments: argparse.Namespace) -> Look:
 
         with scene_settings() as scene:
             look = scene_look(scene)
-    return look_of(arguments, look_of_preset(arguments.preset_content, look))
+    return look_of(arguments, preset_rules.look_of(arguments.preset_content, look))
 
 
 @contextmanager

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 from .. import bridge
 from ..core import balance, job, source_kinds
+from ..files import preset_rules
 from .common import PROGRESS, UsageError
 from .file_reading import READERS
-from .preset_options import found_preset, with_preset
+from .preset_options import found_preset
 
 if TYPE_CHECKING:
     import bpy
@@ -177,7 +178,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
         sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
         raise UsageError(f"{sentence}, or measure the source original.")
     arguments.preset_content = found_preset(arguments.preset)
-    return settings_of(arguments, with_preset(arguments.preset_content, base))
+    return settings_of(arguments, preset_rules.settings_of(arguments.preset_content, base))
 
 
 @contextmanager

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from ..core import job
-from ..core.color_maps import Look
 from ..files import paths, preset_file, preset_rules
 from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
@@ -50,16 +48,6 @@ def preset_in_folders(name: str) -> Content:
         known = ", ".join([*PRESETS, *sorted(others)])
         raise UsageError(f'There is no preset "{name}"; choose one of {known}, or give a file (NAME.json).')
     return preset_rules.sound(row.path)
-
-
-def with_preset(content: Content | None, base: job.Settings | None) -> job.Settings | None:
-    """The settings with those of the preset; device, space and memory limit stay."""
-    return base if content is None else preset_rules.settings_of(content, base or job.Settings())
-
-
-def look_of_preset(content: Content | None, otherwise: Look | None) -> Look | None:
-    """The look that a preset asks for, if it has colors."""
-    return otherwise if content is None else preset_rules.look_of(content, otherwise)
 
 
 def notes_of_preset(content: Content | None, has_colors: bool) -> list[str]:

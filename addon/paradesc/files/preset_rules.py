@@ -126,8 +126,11 @@ def check(path: Path, content: Content) -> None:
 # ---- Meaning
 
 
-def settings_of(content: Content, base: Settings) -> Settings:
-    """The settings with those of a preset; device, space and memory limit stay."""
+def settings_of(content: Content | None, base: Settings | None) -> Settings | None:
+    """The settings with those of a preset, if there is one; device, space and memory limit stay."""
+    if content is None:
+        return base
+    base = base or Settings()
     texels = (content.image or {}).get("texels", base.options.texels)
     if content.settings is None:
         return replace(base, options=replace(base.options, texels=texels))
@@ -136,8 +139,8 @@ def settings_of(content: Content, base: Settings) -> Settings:
     return choices.settings_of(SimpleNamespace(**values, **machine, texels=texels), base.memory_limit)
 
 
-def look_of(content: Content, otherwise: Look | None) -> Look | None:
-    """The look that a preset asks for, or None if it has no colors."""
-    if content.colors is None:
+def look_of(content: Content | None, otherwise: Look | None) -> Look | None:
+    """The look that a preset asks for, if there is one and it has colors."""
+    if content is None or content.colors is None:
         return otherwise
     return choices.look_of(SimpleNamespace(**preset_file.completed(content.colors, rules()["colors"])))
