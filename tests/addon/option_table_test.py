@@ -3,6 +3,9 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
+
+import numpy as np
 
 from shapes import ADDON
 
@@ -44,6 +47,6 @@ assert of_compute.settings_of("mean_curvature", 0.1, {"hue": 6}).options.hue == 
 
 def test_a_new_row_is_in_c_panel_presets_command_line_and_compute():
     words = [sys.executable, "-c", SCRIPT, str(ADDON)]
-    environment = {**os.environ, "PYTHONPATH": str(ADDON)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ADDON), str(Path(np.__file__).parents[1])])}
     done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
