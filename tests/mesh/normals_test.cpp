@@ -316,18 +316,6 @@ TEST(Normals, vertices_split_by_an_exporter_change_nothing) {
   EXPECT_EQ(found.group, expected.group); // bit for bit: the same points in the same order
 }
 
-TEST(Normals, of_some_fans_alone_are_those_of_all) {
-  const Subject subject(torus(1, 0.4, {.vertices = 3000}));
-  std::vector<int32_t> fans;
-  for (int32_t fan = 5; fan < subject.rings.fan_count; fan += 7) fans.push_back(fan);
-  for (const int32_t kind : {PDESC_NORMALS_FITTED, PDESC_NORMALS_MAX}) {
-    const Normals all = subject.normals(kind);
-    const std::vector<vec3> some = compute_fan_normals(subject.triangles, subject.rings, kind, fans, 0);
-    ASSERT_EQ(some.size(), fans.size());
-    for (size_t i = 0; i < fans.size(); ++i) ASSERT_EQ(some[i], all.group[static_cast<size_t>(fans[i])]) << fans[i];
-  }
-}
-
 TEST(Normals, mesh_normals_are_those_given) {
   const TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
   const Subject subject(mesh);

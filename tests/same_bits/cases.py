@@ -6,34 +6,29 @@ from typing import Any
 RADII = (0.01, 0.02, 0.04)
 PRECISIONS = ("full", "half")
 PLACES = ("vertex", "texel")
-# The grid takes the defaults of pdesc_options except texels; other options and --quick take what is faster.
-WHOLE = {"texels": 256}
-SMALL = {"texels": 128, "buffer_size": 512, "samples": 64}
-QUICK = {"texels": 64, "buffer_size": 256, "samples": 64}
+# The grid takes the defaults of pdesc_options except texels, and names what the default relocation is in texture space; other
+# options and --quick take what is faster.
+WHOLE = {"relocation": "affine", "texels": 256}
+SMALL = {"relocation": "affine", "texels": 128, "buffer_size": 512, "samples": 64}
+QUICK = {"relocation": "affine", "texels": 64, "buffer_size": 256, "samples": 64}
 
 # One row for each computation beside the grid, at the middle radius: what differs from the defaults.
 OPTIONS: tuple[dict[str, Any], ...] = (
-    {"relocation": "affine"},
-    {"relocation": "affine", "precision": "half"},
-    {"relocation": "affine", "evaluate": "texel"},
-    {"relocation": "affine", "pattern": "stratified"},
-    {"relocation": "affine", "pattern": "stratified", "ellipse": "directional"},
-    {"relocation": "affine", "ellipse": "directional"},
-    {"relocation": "affine", "max_jumps": 1},
-    {"relocation": "affine", "estimator": "integral", "variance_reduction": "none"},
-    {"relocation": "affine", "adaptive": 0.05},
-    {"relocation": "affine", "seed": 3},
     {"relocation": "paper"},
     {"relocation": "paper", "precision": "half"},
     {"relocation": "paper", "evaluate": "texel"},
     {"relocation": "paper", "pattern": "stratified", "max_jumps": 1},
+    {"pattern": "stratified"},
+    {"pattern": "stratified", "ellipse": "directional"},
+    {"ellipse": "directional"},
+    {"max_jumps": 1},
     {"estimator": "integral"},
     {"estimator": "extrapolated"},
     {"estimator": "extrapolated", "evaluate": "texel", "precision": "half"},
     {"variance_reduction": "none"},
     {"variance_reduction": "none", "estimator": "integral"},
     {"distance": "geodesic"},
-    {"distance": "geodesic", "geodesic": "chords", "relocation": "affine", "evaluate": "texel"},
+    {"distance": "geodesic", "geodesic": "chords", "evaluate": "texel"},
     {"distance": "geodesic", "precision": "half", "variance_reduction": "none"},
     {"adaptive": 0.05},
     {"adaptive": 0.05, "evaluate": "texel"},
@@ -45,14 +40,14 @@ OPTIONS: tuple[dict[str, Any], ...] = (
     {"samples": 1000, "radius": 0.01},
     {"buffer_size": 333},
     {"seam_error": True},
-    {"seam_error": True, "relocation": "affine"},
+    {"seam_error": True, "relocation": "paper"},
     {"seam_error": True, "precision": "half"},
     {"map_descriptor": "mean_curvature"},
-    {"map_descriptor": "euclidean_area", "map_sigma": 0.5, "harris_k": 0.1, "relocation": "affine"},
+    {"map_descriptor": "euclidean_area", "map_sigma": 0.5, "harris_k": 0.1},
 )
 # These are slow: they run on small meshes only, and --quick leaves them out.
 SLOW: tuple[dict[str, Any], ...] = (
-    {"geodesic": "chords", "relocation": "affine"},
+    {"geodesic": "chords"},
     {"geodesic": "chords", "relocation": "paper", "distance": "geodesic"},
 )
 # These run without a device; the reference has fewer options.

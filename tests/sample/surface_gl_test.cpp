@@ -1,4 +1,4 @@
-// The baked buffers and the parts of texels that charts cover, against the surface they stand for.
+// The baked buffers against the surface they stand for.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "engine/opengl/baked.h"
 #include "mesh/normals.h"
-#include "sample/cells.h"
 #include "support/layout.h"
 #include "support/on_device.h"
 #include "support/surfaces.h"
@@ -14,9 +13,9 @@
 namespace paradesc::test {
 namespace {
 
-constexpr int size = 512, block = 8;
+constexpr int size = 512;
 
-// A mesh through the stages up to its cells.
+// A mesh through the stages up to its buffers.
 struct Baked {
   Triangles triangles;
   HalfEdges half_edges;
@@ -26,7 +25,6 @@ struct Baked {
   std::vector<vec4> positions, normal_texels, distortion;
   std::vector<int32_t> ids;
   TexelCounts counts;
-  Cells cells;
 
   Baked(GlThread &thread, const TestMesh &mesh)
       : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)),
@@ -45,16 +43,6 @@ struct Baked {
       distortion = buffer.read_distortion(programs);
       ids = buffer.read_ids();
     });
-    cells = build_cells(ids, build_border_grid(charts, size), triangles, half_edges, charts, block);
-  }
-
-  double area() const {
-    double sum = 0;
-    for (size_t c = 0; c < triangles.corner_vertex.size(); c += 3) {
-      const auto at = [&](size_t i) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c + i])]); };
-      sum += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
-    }
-    return sum * bake_space.scale * bake_space.scale;
   }
 };
 
@@ -84,20 +72,6 @@ TEST_F(Surface, texels_are_points_of_the_torus_with_unit_normals) {
   }
   EXPECT_GT(seen, size * size / 4);
   EXPECT_EQ(baked.counts.overlapping, 0);
-}
-
-// Each texel stands for its area element times the part of it that is on the chart. Partly covered texels round to sixteenths
-// without bias; 0.2 % leaves room for the few that another chart owns.
-TEST_F(Surface, areas_of_texels_make_up_the_surface) {
-  for (const int charts : {1, 15, 60}) {
-    const Baked baked(*thread, torus_of_charts(charts));
-    double sum = 0;
-    for (size_t i = 0; i < baked.positions.size(); ++i)
-      if (baked.cells.label[2 * i] >= 0)
-        sum += static_cast<double>(baked.positions[i].w) * baked.cells.label[2 * i + 1] / 65536.0 / (size * size);
-    EXPECT_NEAR(sum / baked.area(), 1.0, 2e-3) << charts << " charts";
-    EXPECT_TRUE(baked.cells.texelless.empty()) << charts << " charts";
-  }
 }
 
 } // namespace

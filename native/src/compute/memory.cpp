@@ -74,9 +74,8 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
   const bool divided = is_divided(mesh, backend);
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
-  const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
-  const int64_t needed = memory.total() - memory.mesh, held = memory.mesh + kept_for_others;
-  if (mesh.session && needed + held <= mesh.memory_held) return;
+  const int64_t needed = memory.total() - memory.mesh;
+  if (mesh.session && memory.total() <= mesh.memory_held) return;
   check_memory(mesh.context->memory_limit,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
                    (divided ? ", divided into " + std::to_string(division_plan_of(mesh, options).pieces()) + " for surface maps,"
@@ -85,7 +84,7 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
                divided   ? "use smaller images or a larger radius"
                : buffers ? "use smaller buffers or fewer triangles"
                          : "use fewer triangles",
-               needed, held);
+               needed, memory.mesh);
 }
 
 } // namespace paradesc

@@ -135,13 +135,10 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   const int32_t kind = options.normals;
   NormalsOnDemand normals;
   normals.key = {mesh.positions_version, static_cast<uint64_t>(kind), mesh.rings_version};
-  normals.kind = kind;
   normals.make = [&mesh, &creases, kind, key = normals.key]() -> const Normals & {
     return mesh.normals.get(key, [&] { return make_normals(mesh, creases, kind); });
   };
-  if (kind == PDESC_NORMALS_MESH) return normals;
-  normals.rings = [&mesh, &creases]() -> const NormalRings & { return rings_of(mesh, creases); };
-  normals.fans_version = mesh.rings_version;
+  normals.fans_version = kind == PDESC_NORMALS_MESH ? 0 : mesh.rings_version;
   return normals;
 }
 

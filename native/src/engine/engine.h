@@ -101,8 +101,6 @@ public:
   virtual int buffer_size() const { return 0; }
   // Throws Error: INVALID_OPERATION if there are no buffers, INVALID_ARGUMENT that lists the available names.
   virtual ReadBuffer read_buffer(const std::string &, const Atlas &) { refuse_to_read_buffers(); }
-  // Bytes that happen to be kept for other radii, and so are not part of one computation's memory.
-  virtual int64_t bytes_kept_for_others() const { return 0; }
 };
 
 class Engine {

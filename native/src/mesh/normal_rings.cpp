@@ -161,7 +161,6 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
     int32_t &only = rings.point_fan[rings.fan_point[fan]];
     only = only == none ? fan : several;
   }
-  rings.one_fan_a_point = std::ranges::all_of(rings.point_fan, [](int32_t fan) { return fan >= 0; });
   return fans;
 }
 

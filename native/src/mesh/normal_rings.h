@@ -20,7 +20,6 @@ struct NormalRings {
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // (3 * triangle_count) -1 for triangles left out
   std::vector<int32_t> fan_point;                         // (fan_count)
   std::vector<int32_t> point_fan;                         // (point_count) below 0 for points of several fans, or none
-  bool one_fan_a_point = false;                           // everywhere
   std::vector<int64_t> fan_begin;                         // (fan_count + 1) into fan_vertex
   std::vector<int32_t> fan_vertex;  // the fan's own vertex, then its neighbors in turning order: each face lies between two
   std::vector<int64_t> ring_begin;  // (fan_count + 1) into ring_vertex

@@ -77,9 +77,7 @@ std::span<const int32_t> slice(const std::vector<int64_t> &begins, const std::ve
 struct Sources {
   const Triangles &triangles;
   const NormalRings &rings;
-  std::span<const FaceNormal> faces; // of all faces; empty: they are measured one by one
-
-  FaceNormal face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
+  std::span<const FaceNormal> faces; // of all faces, if normals are fitted
 };
 
 // Calls use(a, b, |a|² |b|²) for each face of a fan; a and b are its edges from the fan's own vertex.
@@ -142,20 +140,20 @@ public:
   Fitter(const Fitter &) = delete;
   Fitter &operator=(const Fitter &) = delete;
 
-  // ring, faces: as in NormalRings. place: the index of the normal.
-  void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
+  // ring, faces: as in NormalRings.
+  void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces) {
     const dvec3 n = max_normal(from_, fan, mean_squares(from_, fan));
     double spread = 1;
     const dvec3 mean = mean_of(faces, n, spread);
     const dvec3 e1 = tangent_of(n);
-    members_[used_] = {fan, place, spread, 0, 0, n, e1, glm::cross(n, e1), mean};
+    members_[used_] = {fan, spread, 0, 0, n, e1, glm::cross(n, e1), mean};
     take_heights(members_[used_], ring);
     if (++used_ == fan_lanes) fit();
   }
 
 private:
   struct Member {
-    int fan, place;
+    int fan;
     double spread, square, height; // mean squares: of the distances of neighbors, and of their heights
     dvec3 n, e1, e2;
     dvec3 mean; // of the faces of the rings, by their areas
@@ -166,7 +164,7 @@ private:
     dvec3 sum(0);
     double areas = 0;
     for (const int index : faces) {
-      const FaceNormal face = from_.face(index);
+      const FaceNormal face = from_.faces[index];
       const double area = static_cast<double>(face.size) * static_cast<double>(face.size);
       sum += area * dvec3(face.normal);
       areas += area;
@@ -200,9 +198,9 @@ private:
     fit_gradients_(heights_, gradients);
     for (int lane = 0; lane < used_; ++lane) {
       const Member &member = members_[lane];
-      fans_.normal[member.place] =
+      fans_.normal[member.fan] =
           vec3(gradients.exists[lane] ? turned(member, {gradients.u[lane], gradients.v[lane]}, gradients.noise[lane]) : member.n);
-      fans_.noise[member.place] = gradients.exists[lane] ? static_cast<float>(gradients.noise[lane]) : 0.0f;
+      fans_.noise[member.fan] = gradients.exists[lane] ? static_cast<float>(gradients.noise[lane]) : 0.0f;
     }
     used_ = 0;
     heights_.max_count = 0;
@@ -228,24 +226,22 @@ private:
   FitGradients fit_gradients_ = fit_gradients();
 };
 
-// fan_of(i): the fan of each normal.
-FanNormals max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
+FanNormals max_normals(const Sources &from, int threads) {
+  const int count = from.rings.fan_count;
   FanNormals fans(count, false);
   parallel_blocks(count, threads, block_size, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) fans.normal[i] = vec3(max_normal(from, fan_of(i)));
+    for (int fan = begin; fan < end; ++fan) fans.normal[fan] = vec3(max_normal(from, fan));
   });
   return fans;
 }
 
-FanNormals fitted_normals(const Sources &from, int count, int threads, const auto &fan_of) {
+FanNormals fitted_normals(const Sources &from, int threads) {
   const NormalRings &rings = from.rings;
-  FanNormals fans(count, true);
-  parallel_blocks(count, threads, block_size, [&](int begin, int end) {
+  FanNormals fans(rings.fan_count, true);
+  parallel_blocks(rings.fan_count, threads, block_size, [&](int begin, int end) {
     Fitter fitter(from, fans);
-    for (int i = begin; i < end; ++i) {
-      const int fan = fan_of(i);
-      fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan), i);
-    }
+    for (int fan = begin; fan < end; ++fan)
+      fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan));
   });
   return fans;
 }
@@ -259,7 +255,7 @@ FanNormals fitted_normals_once(const Sources &from, const HalfEdges &half_edges,
     for (size_t i = 0; i < run.ring_size.size(); ++i) {
       const auto ring_size = static_cast<size_t>(run.ring_size[i]), face_size = static_cast<size_t>(run.face_size[i]);
       const int fan = run.first_fan + static_cast<int>(i);
-      fitter.add(fan, vertices.first(ring_size), faces.first(face_size), fan);
+      fitter.add(fan, vertices.first(ring_size), faces.first(face_size));
       vertices = vertices.subspan(ring_size);
       faces = faces.subspan(face_size);
     }
@@ -345,7 +341,7 @@ static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edg
   const bool fitted = kind == PDESC_NORMALS_FITTED;
   const std::vector<FaceNormal> faces = fitted ? face_normals(triangles, threads) : std::vector<FaceNormal>();
   const Sources from{triangles, rings, faces};
-  FanNormals fans = fitted ? fit(from) : max_normals(from, rings.fan_count, threads, std::identity());
+  FanNormals fans = fitted ? fit(from) : max_normals(from, threads);
   Normals normals = with_points(triangles, half_edges, std::move(fans.normal), &rings, threads);
   normals.noise = std::move(fans.noise);
   return normals;
@@ -355,7 +351,7 @@ Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges,
                         int threads) {
   if (kind == PDESC_NORMALS_MESH) return given_normals(triangles, half_edges, threads);
   return fan_normals(triangles, half_edges, rings, kind, threads,
-                     [&](const Sources &from) { return fitted_normals(from, rings.fan_count, threads, std::identity()); });
+                     [&](const Sources &from) { return fitted_normals(from, threads); });
 }
 
 Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
@@ -366,16 +362,6 @@ Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_e
   checkpoint();
   return fan_normals(triangles, half_edges, rings, kind, threads,
                      [&](const Sources &from) { return fitted_normals_once(from, half_edges, fans, threads); });
-}
-
-std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRings &rings, int32_t kind,
-                                      std::span<const int32_t> fans, int threads) {
-  const Sources from{triangles, rings, {}};
-  const auto count = static_cast<int>(fans.size());
-  const auto fan_of = [&](int i) { return fans[i]; };
-  FanNormals result =
-      kind == PDESC_NORMALS_FITTED ? fitted_normals(from, count, threads, fan_of) : max_normals(from, count, threads, fan_of);
-  return std::move(result.normal);
 }
 
 } // namespace paradesc

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "mesh/normal_rings.h"
@@ -27,13 +26,11 @@ struct Normals {
   float noise_of(int32_t triangle) const;
 };
 
-// The normals of a surface at one moment, and the rings from which an engine may fit them itself. Both are made on first use.
+// The normals of a surface at one moment, made on first use.
 struct NormalsOnDemand {
   std::function<const Normals &()> make;
-  std::function<const NormalRings &()> rings = nullptr; // none where corners have normals of their own
-  std::array<uint64_t, 3> key{};                        // differs whenever the normals of one mesh do
-  uint64_t fans_version = 0;                            // differs whenever the set of corners that share a normal does
-  int32_t kind = PDESC_NORMALS_FITTED;                  // pdesc_normals
+  std::array<uint64_t, 3> key{}; // differs whenever the normals of one mesh do
+  uint64_t fans_version = 0;     // differs whenever the set of corners that share a normal does
 
   const Normals &operator()() const { return make(); }
 };
@@ -42,9 +39,6 @@ struct NormalsOnDemand {
 // given.
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads);
-// (fans) the normals of these fans alone; kind: fitted or Max's.
-std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRings &rings, int32_t kind,
-                                      std::span<const int32_t> fans, int threads);
 // Computes normals without storing rings, which take more memory than the mesh. The bits are the same; the rings cost time again.
 Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
                              int threads);

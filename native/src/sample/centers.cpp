@@ -1,28 +1,13 @@
-// The list has a center for each wedge, in the order of wedges, then a center for each point that the UV map leaves out.
+// The list has a center for each wedge that is asked for, in the order of wedges. A point that the UV map leaves out has none.
 #include "sample/centers.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "sample/pattern.h"
 #include "support/cancel.h"
 
 namespace paradesc {
-
-template <class Value> static void reorder(const std::vector<int32_t> &order, std::vector<Value> &values) {
-  if (values.empty()) return;
-  std::vector<Value> ordered;
-  ordered.reserve(values.size());
-  for (const int32_t i : order) ordered.push_back(values[i]);
-  values.swap(ordered);
-}
-
-void Centers::permute(const std::vector<int32_t> &order_now) {
-  reorder(order_now, wedges);
-  reorder(order_now, points);
-  reorder(order_now, order);
-}
 
 static bool is_center(const Charts &charts, const CenterOptions &options, size_t wedge) {
   return options.every_wedge || charts.point_wedge[charts.wedges[wedge].point] == static_cast<int32_t>(wedge);
@@ -53,20 +38,11 @@ Centers list_centers(const Charts &charts, const CenterOptions &options) {
   for (size_t i = 0; i < charts.wedges.size(); ++i) {
     if (i % 4096 == 0) checkpoint();
     if (!is_center(charts, options, i)) continue;
+    const int32_t point = charts.wedges[i].point;
     centers.wedges.push_back(static_cast<int32_t>(i));
-    centers.points.push_back(charts.wedges[i].point);
+    centers.points.push_back(point);
+    centers.primary.push_back(charts.point_wedge[point] == static_cast<int32_t>(i));
   }
-  // Points that the UV map leaves out get centers, too: cells lead to them, though samples that the map carries do not.
-  for (size_t point = 0; options.connected && point < charts.point_wedge.size(); ++point) {
-    if (charts.point_wedge[point] >= 0) continue;
-    centers.wedges.push_back(-1);
-    centers.points.push_back(static_cast<int32_t>(point));
-  }
-  centers.order.resize(centers.points.size());
-  std::iota(centers.order.begin(), centers.order.end(), 0);
-  centers.listed_point = centers.points;
-  for (size_t i = 0; i < centers.points.size(); ++i)
-    centers.listed_primary.push_back(charts.point_wedge[centers.points[i]] == centers.wedges[i]);
   return centers;
 }
 
@@ -75,13 +51,11 @@ std::vector<CenterData> describe_centers(const Charts &charts, const CenterOptio
   std::vector<CenterData> data(centers.points.size());
   for (size_t i = 0; i < data.size(); ++i) {
     if (i % 4096 == 0) checkpoint();
-    data[i].chart = -1;
-    if (centers.wedges[i] < 0) continue;
     const Wedge &wedge = charts.wedges[centers.wedges[i]];
     data[i].chart = wedge.chart;
     data[i].phase = pattern_rotation(static_cast<uint32_t>(wedge.point), options.seed);
     data[i].uv = vec4(wedge.uv, march_start(wedge, options.buffer_size));
-    data[i].ellipse = options.connected ? vec4(0.0f) : ellipses[centers.wedges[i]] * options.ellipse_size;
+    data[i].ellipse = ellipses[centers.wedges[i]] * options.ellipse_size;
   }
   return data;
 }

@@ -26,28 +26,21 @@ struct CenterSpace {
 };
 
 struct Centers {
-  std::vector<int32_t> wedges; // -1: the point has no wedge
+  std::vector<int32_t> wedges;
   std::vector<int32_t> points;
-  std::vector<int32_t> order; // the index that each center had in the list as made
-  // In the order of the list as made: the point, and whether the center is its point's primary one.
-  std::vector<int32_t> listed_point;
-  std::vector<uint8_t> listed_primary;
-
-  // Reorders the centers: center i becomes the one that was center order_now[i].
-  void permute(const std::vector<int32_t> &order_now);
+  std::vector<uint8_t> primary; // 1: of its point's centers the one whose value the point takes
 };
 
 // Options that decide where centers lie.
 struct CenterOptions {
   bool every_wedge;   // a center for each wedge of a point, else for its primary one
-  bool connected;     // points without a wedge get centers, too, and no center has an ellipse
   uint32_t seed;      // of the pattern's rotations
   int buffer_size;    // texels along a side
   float ellipse_size; // the radius in buffer units, times the enlargement
 };
 
 Centers list_centers(const Charts &charts, const CenterOptions &options);
-// Describes centers without position and normal. ellipses: (wedges) for radius 1; not read in the connected relocation.
+// Describes centers without position and normal. ellipses: (wedges) for radius 1.
 std::vector<CenterData> describe_centers(const Charts &charts, const CenterOptions &options, const Centers &centers,
                                          const std::vector<vec4> &ellipses);
 // Fills in position and normal.

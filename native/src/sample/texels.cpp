@@ -172,7 +172,7 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const vec3 normal = mix_corners<vec3>(center, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
     const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
-    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(center, at_wedge) * ellipse_size;
+    const vec4 ellipse = mix_corners<vec4>(center, at_wedge) * ellipse_size;
     const auto corner = 3 * static_cast<size_t>(center.triangle);
     centers.push_back({vec3((position - bake_space.center) * bake_space.scale), center.chart,
                        span > 0.0f ? normal / span : normals.corner(corner),
@@ -180,16 +180,6 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
                        ellipse});
   }
   return centers;
-}
-
-std::vector<LayoutPosition> texel_layout_positions(const TexelMap &map, const Charts &charts, size_t first, size_t last) {
-  std::vector<LayoutPosition> positions;
-  positions.reserve(last - first);
-  for (size_t i = first; i < last; ++i) {
-    const vec4 uv = center_uv(map.centers[i], charts, map.size);
-    positions.push_back({vec2(uv.z, uv.w), map.centers[i].triangle});
-  }
-  return positions;
 }
 
 namespace {

@@ -11,7 +11,6 @@
 #include "mesh/charts.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
-#include "sample/cells.h"
 
 #include "shared.h"
 
@@ -37,14 +36,11 @@ struct TexelMap {
 
 TexelMap build_texel_map(const Charts &charts, int size);
 
-// The map's centers [first, last), with position and normal in 32 bits. ellipses: (wedges) for radius 1, or empty if samples
-// do not march; ellipse_size: the radius in buffer units, times the enlargement.
+// The map's centers [first, last), with position and normal in 32 bits. ellipses: (wedges) for radius 1; ellipse_size: the
+// radius in buffer units, times the enlargement.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,
                                       float ellipse_size, uint32_t seed, size_t first, size_t last);
-
-// The positions of those centers in the layout, for find_cells.
-std::vector<LayoutPosition> texel_layout_positions(const TexelMap &map, const Charts &charts, size_t first, size_t last);
 
 // results: at all centers of the map → at wedges; at each point's primary wedge only, unless all_wedges. Values are bilinear
 // between texels of the wedge's own chart. Beside its border, where some texels are missing or have centers off their middles, a

@@ -9,69 +9,36 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { uint results[]; }; // bits of floats, which keep NaN
-#if !AFFINE && !PAPER
-#include "opengl/connected/floods.glsl"
-#endif
-#if EXACT
-layout(binding = UNIT_TRIANGLE_CODES) uniform isamplerBuffer triangle_codes;
-int number_again;
-// Returns whether the triangle is connected to the center within the ball.
-bool is_connected(int triangle) { return was_reached(number_again, texelFetch(triangle_codes, triangle).x); }
-#else
-bool is_connected(int triangle) { return true; }
-#endif
 #if MAP
 layout(binding = UNIT_MAP) uniform sampler2D maps;
 layout(std430, binding = BINDING_MAP_CENTERS) readonly restrict buffer MapCenters { vec4 map_centers[]; };
-layout(std430, binding = BINDING_MAP_TEXELLESS) readonly restrict buffer MapTexelless { vec4 map_texelless[]; };
-#define MAP_OF_TEXELLESS(i) map_texelless[i]
-#else
-#define MAP_OF_TEXELLESS(i) vec4(0.0)
 #endif
 #if FACES
 layout(binding = UNIT_FACES) uniform samplerBuffer faces;
-vec3 face_of(int triangle) { return texelFetch(faces, triangle).xyz; }
-#else
-vec3 face_of(int triangle) { return vec3(0.0); }
 #endif
-
-// Adds the point of one texel. extent: the side of the texel in space.
-void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float extent, ivec2 texel, float geodesic) {
-#if EXACT || FACES
-  int triangle = texelFetch(ids, texel, 0).y;
-  if (triangle < 0) triangle = -1 - triangle;
-#else
-  const int triangle = -1;
-#endif
-  if (!is_connected(triangle)) return;
-  bool near = length(position - sums.center.position) < extent;
-#if MAP
-  vec4 map = texelFetch(maps, texel, 0);
-#else
-  const vec4 map = vec4(0.0);
-#endif
-  add_neighbor(sums, position, normal, face_of(triangle), area, near, geodesic, map);
-}
 
 // Adds one texel. cell: the area in (u, v) that it stands for.
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
-  vec3 normal;
-  vec4 point = surface_at(texel, normal);
-  add_point(sums, point.xyz, normal, point.w * cell, extent_of_texel(point.w), texel, geodesic);
+  vec3 normal, face = vec3(0.0);
+  vec4 point = surface_at(texel, normal), map = vec4(0.0);
+#if FACES
+  int triangle = texelFetch(ids, texel, 0).y;
+  face = texelFetch(faces, triangle < 0 ? -1 - triangle : triangle).xyz;
+#endif
+#if MAP
+  map = texelFetch(maps, texel, 0);
+#endif
+  bool near = length(point.xyz - sums.center.position) < extent_of_texel(point.w);
+  add_neighbor(sums, point.xyz, normal, face, point.w * cell, near, geodesic, map);
 }
 
-#if AFFINE || PAPER
 #include "opengl/march/walks.glsl"
-#if AFFINE
-#include "opengl/march/affine.glsl"
-#else
+#if PAPER
 #include "opengl/march/paper.glsl"
-#endif
 #else
-#include "opengl/evaluate/connected.glsl"
+#include "opengl/march/affine.glsl"
 #endif
 
-#if AFFINE || PAPER
 // Takes the samples of this dispatch. Returns false if later dispatches take more.
 bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
   bool refined = true;
@@ -102,21 +69,6 @@ bool take_samples(inout Sums sums, CenterData data, int index, int slot, out flo
   progress[slot].refined = refined ? 1 : 0;
   return false;
 }
-#else
-bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
-  scale = 1.0;
-#if ADAPTIVE
-  sample_neighborhood(sums, slot, 0);
-  if (sums.moments.hits_boundary > 0.0 || is_rough(sums.moments))
-    sample_neighborhood(sums, slot, 1);
-  else
-    scale = 2.0;
-#else
-  sample_neighborhood(sums, slot);
-#endif
-  return true;
-}
-#endif
 
 void main() {
   // Software devices give each core a row of groups. Interleaving the groups balances the cores if costly centers are neighbors.
@@ -124,11 +76,6 @@ void main() {
   group = group < even ? 2 * group : 2 * (group - even) + 1;
   int slot = group * GROUP_SIZE + int(gl_LocalInvocationID.x), index = params.first + slot;
   if (index >= params.last) return;
-#if EXACT
-  if (slot >= connected[CONNECTED_AGAIN]) return;
-  index = connected[center_again(slot)];
-  number_again = slot;
-#endif
   CenterData data = centers[index];
   Sums sums;
 #if MAP
@@ -143,10 +90,6 @@ void main() {
   Neighborhood neighborhood = finish_neighborhood(sums, scale);
   float coverage = m.area > 0.0 ? m.area / (m.area + m.missing_area) : 0.0;
   uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u);
-#if !AFFINE && !PAPER && !EXACT
-  if (neighborhood.deviation > ambiguous_from(slot, neighborhood.tolerance))
-    connected[ambiguous_center(atomicAdd(connected[CONNECTED_AMBIGUOUS], 1))] = index;
-#endif
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
   results[ROW_FLAGS * params.total + index] = flags;
   results[ROW_AREA * params.total + index] = floatBitsToUint(neighborhood.area);

@@ -1,7 +1,8 @@
 #version 450 core
-// One invocation per triangle → its unit normal, and the root of twice its area.
+// One invocation per triangle → its unit normal, or zero.
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
+layout(binding = UNIT_TRIANGLES) uniform isamplerBuffer triangle_vertices;
 layout(std430, binding = BINDING_FACES) writeonly restrict buffer Faces { vec4 faces[]; };
 
 void main() {
@@ -10,5 +11,6 @@ void main() {
   ivec3 corners = texelFetch(triangle_vertices, triangle).xyz;
   dvec3 a = dvec3(mesh_position(corners.x)), b = dvec3(mesh_position(corners.y)), c = dvec3(mesh_position(corners.z));
   dvec3 product = cross(b - a, c - a);
-  faces[triangle] = vec4(vec3(unit_or_zero(product)), float(sqrt(sqrt(dot(product, product)))));
+  double size = sqrt(dot(product, product));
+  faces[triangle] = vec4(vec3(size > 0.0LF ? product / size : dvec3(0.0LF)), 0.0);
 }

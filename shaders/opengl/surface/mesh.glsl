@@ -1,9 +1,4 @@
-// The current mesh, its triangles, and vectors in doubles.
-#include "opengl/surface/positions.glsl"
-layout(binding = UNIT_TRIANGLES) uniform isamplerBuffer triangle_vertices;
+// The current mesh, in the caller's units.
+layout(binding = UNIT_MESH_POSITIONS) uniform samplerBuffer mesh_positions;
 
-// The unit vector along v, or zero.
-dvec3 unit_or_zero(dvec3 v) {
-  double size = sqrt(dot(v, v));
-  return size > 0.0LF ? v / size : dvec3(0.0LF);
-}
+vec3 mesh_position(int vertex) { return texelFetch(mesh_positions, vertex).xyz; }

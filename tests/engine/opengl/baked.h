@@ -1,4 +1,4 @@
-// A built mesh → its baked buffers and cells, read back. Tests on the software device skip where there is none.
+// A built mesh → its baked buffers, read back. Tests on the software device skip where there is none.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,6 @@
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"
 #include "mesh/normals.h"
-#include "sample/cells.h"
 #include "support/on_device.h"
 
 namespace paradesc::test {
@@ -65,11 +64,6 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
     buffers.ids = buffer.read_ids();
   });
   return buffers;
-}
-
-inline Cells cells_of(const Built &built, const Buffers &buffers, int block) {
-  return build_cells(buffers.ids, build_border_grid(built.charts, buffers.size), built.triangles, built.half_edges, built.charts,
-                     block);
 }
 
 } // namespace paradesc::test

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "engine/opengl/gl_thread.h"
-#include "engine/opengl/recorder.h"
 #include "shared.h"
 #include "support/on_device.h"
 #include "support/sentence.h"
@@ -82,26 +81,6 @@ TEST_F(Buffers, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
                    [&](size_t count) { texture.upload(small, GL_RGBA32F, elements.data(), count); });
     check_gl(gl, "test");
   });
-}
-
-// llvmpipe says that a storage buffer has 2^27 bytes at most, which is not believed; a card's word counts.
-TEST_F(Buffers, of_ranges_are_as_long_as_the_device_can_do_with_and_reach) {
-  const auto ranges_of = [](GlThread &device) {
-    int ranges = 0;
-    device.run([&](const Gl &gl, ProgramCache &) {
-      ranges = gl.limits.ranges;
-      EXPECT_LE(ranges * bytes_of_range, gl.limits.storage_bytes);
-      EXPECT_LE(ranges, gl.limits.list_texels);
-    });
-    return ranges;
-  };
-  if (test::on_card()) {
-    ranges_of(*thread);
-    return;
-  }
-  EXPECT_EQ(ranges_of(*thread), most_ranges(true));
-  GlThread card(false, -1, test::recording_driver(true));
-  EXPECT_EQ(ranges_of(card), 1 << 24);
 }
 
 } // namespace

@@ -19,7 +19,6 @@
 #include "descriptor/registry.h"
 #include "engine/opengl/evaluator.h"
 #include "engine/opengl/gl_thread.h"
-#include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/recorder.h"
 #include "shared.h"
 #include "support/device.h"
@@ -61,7 +60,6 @@ protected:
   paradesc::Field compute_all(const std::shared_ptr<paradesc::Context> &context, const Settings &settings, bool operators,
                               bool displaced = false) const {
     const auto native = paradesc::make_mesh(context, input_of(mesh));
-    move_mesh(*native, mesh.positions.data(), mesh.vertex_count); // devices fit the normals of meshes that move
     const std::vector<float> heights = {0.4f, 0.5f, 0.6f, 0.5f};
     if (displaced) set_displacement(native->maps, native->triangles, heights.data(), 2, 2, 0.5, 0.05);
     std::vector<int> rows;
@@ -95,7 +93,12 @@ protected:
 
 // One after the other, what differs from the first.
 inline std::vector<Settings> all_settings() {
-  Settings plain{.radius = 0.08, .samples = 16, .buffer_size = 128, .texels = 16, .map_sigma = 0.5};
+  Settings plain{.radius = 0.08,
+                 .samples = 16,
+                 .buffer_size = 128,
+                 .relocation = PDESC_RELOCATION_AFFINE,
+                 .texels = 16,
+                 .map_sigma = 0.5};
   std::vector<Settings> all = {plain};
   auto vary = [&](auto member, auto value) {
     all.push_back(plain);
@@ -104,9 +107,6 @@ inline std::vector<Settings> all_settings() {
   vary(&Settings::estimator, PDESC_ESTIMATOR_INTEGRAL);
   vary(&Settings::estimator, PDESC_ESTIMATOR_EXTRAPOLATED);
   vary(&Settings::variance_reduction, PDESC_VARIANCE_REDUCTION_NONE);
-  vary(&Settings::distance, PDESC_DISTANCE_GEODESIC);
-  vary(&Settings::precision, PDESC_PRECISION_HALF);
-  vary(&Settings::adaptive, 0.1);
   vary(&Settings::evaluate, PDESC_EVALUATE_TEXEL);
   for (const int relocation : {PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER}) {
     plain.relocation = relocation;
@@ -121,8 +121,8 @@ inline std::vector<Settings> all_settings() {
   return all;
 }
 
-// Sends all programs to a driver: one after the other what settings choose, and what is used only later, operators on a map,
-// displaced texels and ambiguous centers.
+// Sends all programs to a driver: one after the other what settings choose, and what is used only later, operators on a map and
+// displaced texels.
 inline void ShaderTexts::send_all() {
   static std::set<Program> sent; // once for all tests of a process
   if (sent.empty()) {
@@ -131,10 +131,7 @@ inline void ShaderTexts::send_all() {
     make_programs(open_recording(true), all_settings().front());
     Settings later = all_settings().front();
     later.buffer_size = 64;
-    mesh = ellipsoid(1, 1, 0.05, {.vertices = 800});
-    lay_out(mesh, {.charts = 9});
     compute_all(context, later, true, true);
-    compute_all(context, later, false);
     later.precision = PDESC_PRECISION_HALF;
     compute_all(context, later, true);
     sent = recording.programs;
@@ -142,10 +139,10 @@ inline void ShaderTexts::send_all() {
   recording.programs = sent;
 }
 
-// ---- Every program that evaluates centers, or finds their neighborhoods
+// ---- Every program that evaluates centers
 
 struct Variant : EvaluateSettings {
-  bool half = false, texelless = false, listed = false;
+  bool half = false;
   std::vector<int> rows;
 };
 
@@ -171,25 +168,19 @@ inline std::vector<std::vector<int>> rows_of_passes() {
 }
 
 inline std::vector<Variant> all_variants() {
-  std::vector<Variant> connected(1);
-  multiply(connected, &Variant::rows, rows_of_passes());
-  multiply(connected, &Variant::estimator,
+  std::vector<Variant> all(1);
+  multiply(all, &Variant::rows, rows_of_passes());
+  multiply(all, &Variant::estimator,
            {PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL, PDESC_ESTIMATOR_EXTRAPOLATED});
-  multiply(connected, &Variant::geodesic_ball, {false, true});
-  multiply(connected, &Variant::adaptive, {0.0f, 0.1f});
-  multiply(connected, &Variant::half, {false, true});
-  multiply(connected, &Variant::displaced, {false, true});
-  std::erase_if(connected, [](const Variant &variant) { return variant.half && variant.displaced; }); // see bake_stage.cpp
-  std::vector<Variant> marching = connected;
-  multiply(connected, &Variant::relocation, {PDESC_RELOCATION_CONNECTED});
-  multiply(connected, &Variant::texelless, {false, true});
-  multiply(connected, &Variant::listed, {false, true});
-  multiply(connected, &Variant::exact, {false, true});
-  multiply(marching, &Variant::relocation, {PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER});
-  multiply(marching, &Variant::ellipse, {PDESC_ELLIPSE_CENTER, PDESC_ELLIPSE_DIRECTIONAL});
-  multiply(marching, &Variant::chords, {false, true});
-  connected.insert(connected.end(), marching.begin(), marching.end());
-  return connected;
+  multiply(all, &Variant::geodesic_ball, {false, true});
+  multiply(all, &Variant::adaptive, {0.0f, 0.1f});
+  multiply(all, &Variant::half, {false, true});
+  multiply(all, &Variant::displaced, {false, true});
+  std::erase_if(all, [](const Variant &variant) { return variant.half && variant.displaced; }); // see bake_stage.cpp
+  multiply(all, &Variant::paper, {false, true});
+  multiply(all, &Variant::ellipse, {PDESC_ELLIPSE_CENTER, PDESC_ELLIPSE_DIRECTIONAL});
+  multiply(all, &Variant::chords, {false, true});
+  return all;
 }
 
 // One descriptor alone, and all of a pass, in the ways that most are asked for.
@@ -203,49 +194,27 @@ inline std::vector<Variant> plain_variants() {
     all.emplace_back();
     all.back().rows = rows;
   }
-  multiply(all, &Variant::relocation, {PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER});
-  multiply(all, &Variant::listed, {false, true});
-  multiply(all, &Variant::exact, {false, true});
-  std::erase_if(all, [](const Variant &variant) {
-    return variant.relocation != PDESC_RELOCATION_CONNECTED && (variant.listed || variant.exact);
-  });
-  return all;
-}
-
-inline std::vector<SearchVariant> search_variants(const std::vector<int> &all_words) {
-  std::vector<SearchVariant> all;
-  for (const bool over_links : {false, true})
-    for (const bool exact : {false, true})
-      for (const bool halves : {false, true})
-        for (const bool texelless : {false, true})
-          for (const bool fine : {false, true})
-            for (const int words : all_words) all.push_back({over_links, exact, halves, texelless, fine, words});
+  multiply(all, &Variant::paper, {false, true});
   return all;
 }
 
 // As the library composes them; the driver neither compiles nor computes. pretended: for a card.
-inline std::set<Program> record(std::vector<Variant> variants, const std::vector<SearchVariant> &searches, bool pretended) {
+inline std::set<Program> record(std::vector<Variant> variants, bool pretended) {
   const std::set<Program> before = std::exchange(recording.programs, {});
   recording.compiles = false;
   GlThread(!pretended && !on_card(), -1, recording_driver(pretended)).run([&](const Gl &gl, ProgramCache &programs) {
     const MapBuffer map(gl, 1);
-    const BufferTexture points;
     for (Variant &variant : variants) {
       variant.descriptors = variant.rows;
       variant.map = descriptor_row(variant.rows[0]).needs == MapNeeds::nothing ? nullptr : &map;
-      variant.points = variant.listed ? &points : nullptr;
-      evaluate_program(gl, programs, variant, variant.half ? "#define HALF_FLOATS\n" : "", variant.texelless);
+      evaluate_program(gl, programs, variant, variant.half ? "#define HALF_FLOATS\n" : "");
     }
-    for (const SearchVariant &variant : searches) neighborhoods_program(gl, programs, variant);
-    for (const int patches : flood_rooms()) flood_program(gl, programs, patches);
   });
   recording.compiles = true;
   return std::exchange(recording.programs, before);
 }
 
-inline std::set<Program> record_all(bool pretended) {
-  return record(all_variants(), search_variants({1, 2, 3, 4, 5, 6, 7, 8, 16, 32}), pretended);
-}
-inline std::set<Program> record_plain(bool pretended) { return record(plain_variants(), search_variants({2}), pretended); }
+inline std::set<Program> record_all(bool pretended) { return record(all_variants(), pretended); }
+inline std::set<Program> record_plain(bool pretended) { return record(plain_variants(), pretended); }
 
 } // namespace paradesc::test

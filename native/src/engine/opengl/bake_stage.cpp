@@ -23,35 +23,18 @@ static int count_texelless_triangles(const Charts &charts, const std::vector<int
   return texelless;
 }
 
-bool device_may_fit_normals(const pdesc_options &options, bool surface_maps) {
-  return options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX &&
-         options.normals != PDESC_NORMALS_MESH && !surface_maps;
-}
-
-bool TextureSpace::fits_normals(const Job &job) const {
-  const Surface &surface = job.surface;
-  if (!device_may_fit_normals(job.options(), surface.maps.any()) || (surface.creases && !surface.creases->edges.empty()))
-    return false;
-  const NormalRings &rings = surface.normals.rings();
-  const auto longest = std::max(rings.face.size(), rings.ring_vertex.size());
-  return rings.one_fan_a_point && longest <= static_cast<size_t>(gl_->list_texels());
-}
-
-void TextureSpace::bake_layout(const Job &job, const BakeKey &baked) {
-  const LayoutKey &key = baked.layout;
+void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   constexpr int drawn_at_once = 1 << 17; // triangles
   const Charts &charts = job.charts();
-  const NormalsOnDemand &normals = job.surface.normals;
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
   const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
-    const auto fans = key.fans == 0 ? nullptr : baked.surface.fits_normals ? normals.rings().corner_fan : normals().corner_fan;
+    const auto &fans = job.surface.normals().corner_fan;
     return build_bake_vertices(job.surface.triangles, charts, fans ? *fans : std::vector<int32_t>());
   });
   layout_.get(key, [&] {
     BakedLayout layout;
     step([&](const Gl &gl, ProgramCache &) {
-      device_->cells.clear();
       baked_.clear();
       if (!device_->buffer || device_->buffer->size() != size || device_->buffer->half() != key.half)
         device_->buffer = std::make_unique<GeometryBuffer>(gl, size, key.half);
@@ -74,32 +57,16 @@ void TextureSpace::bake_layout(const Job &job, const BakeKey &baked) {
 }
 
 void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
-  constexpr int drawn_at_once = 1 << 20, fitted_at_once = 1 << 17; // texels, fans
+  constexpr int drawn_at_once = 1 << 20; // texels
   const Surface &surface = job.surface;
-  const NormalsOnDemand &normals = surface.normals;
-  const Normals *const made = frame.key.surface.fits_normals ? nullptr : &normals();
+  const Normals &normals = surface.normals();
   const BakeInput input{surface.triangles, job.charts(), vertices_.value(), frame.space};
   GeometryBuffer &buffer = *device_->buffer;
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
-  for (const auto &set : device_->cells) {
-    set->measured.clear();
-    set->samples.clear();
-  }
   step([&](const Gl &gl, ProgramCache &) {
     device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);
-    device_->surface.set_displaced(gl, frame.displaced ? &frame.displaced->triangles : nullptr);
-    if (made)
-      device_->surface.set_normals(gl, *made);
-    else
-      device_->surface.begin_normals(gl, normals.rings(), normals.fans_version);
+    device_->surface.set_normals(gl, normals);
   });
-  const int fans = made ? 0 : device_->surface.fan_count();
-  for (int first = 0; first < fans; first += fitted_at_once)
-    step([&](const Gl &gl, ProgramCache &programs) {
-      device_->surface.fit_normals(gl, programs, normals.kind == PDESC_NORMALS_FITTED, first,
-                                   std::min(first + fitted_at_once, fans));
-      gl.Flush();
-    });
   step([&](const Gl &, ProgramCache &programs) { buffer.place_vertices(programs, input, device_->surface); });
   for (int first = 0; first < size; first += rows)
     step([&](const Gl &gl, ProgramCache &programs) {
@@ -107,7 +74,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
       gl.Flush();
     });
   if (frame.displaced)
-    step([&](const Gl &gl, ProgramCache &programs) { device_->mapper.run(gl, programs, buffer, input, *made, surface.maps); });
+    step([&](const Gl &gl, ProgramCache &programs) { device_->mapper.run(gl, programs, buffer, input, normals, surface.maps); });
 }
 
 Frame TextureSpace::bake(const Job &job) {
@@ -118,7 +85,7 @@ Frame TextureSpace::bake(const Job &job) {
   frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
                       surface.normals.fans_version};
-  frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.key, fits_normals(job)};
+  frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.key};
   frame.space = bake_space_of(surface.box);
   if (surface.maps.any()) {
     frame.displaced = &*displaced_.get(frame.key.surface, [&] {
@@ -129,13 +96,13 @@ Frame TextureSpace::bake(const Job &job) {
   } else {
     displaced_.clear();
   }
-  bake_layout(job, frame.key);
+  bake_layout(job, frame.key.layout);
   baked_.get(frame.key, [&] {
     bake_surface(job, frame);
     return frame.space;
   });
-  if (!job.connected()) frame.links = seam_links(surface.triangles, job.charts());
-  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(job.charts());
+  frame.links = seam_links(surface.triangles, job.charts());
+  if (job.paper()) frame.seams = number_seams(job.charts());
   return frame;
 }
 
@@ -149,7 +116,7 @@ std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space,
 
 CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, double radius) {
   const pdesc_options &options = job.options();
-  return {options.seam_error != 0, job.connected(), options.seed, options.buffer_size,
+  return {options.seam_error != 0, options.seed, options.buffer_size,
           static_cast<float>(radius * frame.space.scale) * frame.enlargement};
 }
 
@@ -162,11 +129,10 @@ void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
                                                    static_cast<float>(radius * frame.space.scale), sizes, step);
 }
 
-// Describes centers that samples march from, or that maps displace.
 std::vector<CenterData> TextureSpace::describe(const Job &job, const Frame &frame, const Centers &centers, double radius) {
   const Surface &surface = job.surface;
-  const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
-  std::vector<CenterData> data = describe_centers(job.charts(), center_options(job, frame, radius), centers, sizes);
+  std::vector<CenterData> data =
+      describe_centers(job.charts(), center_options(job, frame, radius), centers, ellipses(job, frame.space, 1));
   place_centers({surface.triangles, surface.half_edges, surface.normals(), frame.space, frame.displaced}, centers, data);
   return data;
 }

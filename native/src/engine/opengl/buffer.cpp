@@ -49,9 +49,6 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
 
 size_t BufferTexture::texel_bytes(GLenum format) {
   switch (format) {
-  case GL_R32I:
-  case GL_R32F:
-    return sizeof(float);
   case GL_RG32I:
     return sizeof(ivec2);
   case GL_RGB32I:
@@ -76,9 +73,9 @@ void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t
 
 void BufferTexture::check_texels(const Gl &gl, size_t texels) {
   if (texels > static_cast<size_t>(gl.limits.list_texels))
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh or its neighborhoods are too large for this device (" +
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" +
                                              std::to_string(texels) +
-                                             " list elements); use smaller buffers or fewer samples, or the reference backend.");
+                                             " list elements); use the reference backend.");
 }
 
 void BufferTexture::make_texture(const Gl &gl, GLenum format) {

@@ -61,7 +61,7 @@ public:
   void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
   }
-  // texels have the format GL_R32I, GL_R32F, GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same one. data
+  // texels have the format GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same one. data
   // may be NULL: shaders then write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
   // Uploads a list whose elements are whole texels, or single numbers of texels.

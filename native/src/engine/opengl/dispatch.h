@@ -23,21 +23,18 @@ struct TileSizes {
 };
 
 // Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after another. After each
-// it calls then(end of the tile), whose time does not count. Returns the first tile's size for when the same is computed again:
-// the last tile may be so short that its time only shows that the size was not too large.
+// it calls then(end of the tile), whose time does not count.
 template <class Compute, class Then>
-int in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
+void in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
   int tile = std::min(sizes.first, sizes.largest);
   for (int last = begin; begin < end; begin = last) {
     last = begin + std::min(tile, end - begin);
     Clock clock;
     compute(begin, last);
     const double seconds = sizes.seconds.value_or(clock.lap());
-    const int next = std::min(next_tile(tile, seconds, sizes.smallest, sizes.group), sizes.largest);
-    if (last - begin == tile || next < tile) tile = next;
+    tile = std::min(next_tile(tile, seconds, sizes.smallest, sizes.group), sizes.largest);
     then(last);
   }
-  return tile;
 }
 
 // Runs the program in use over invocations [first, last) in one dispatch, passing the two as LOCATION_FIRST and LOCATION_LAST.

@@ -165,7 +165,7 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
 
 void GeometryBuffer::place_vertices(ProgramCache &programs, const BakeInput &input, const DeviceSurface &surface) {
   vertices_.reserve(gl_, GL_RGBA32F, 2 * static_cast<size_t>(places_->count()));
-  surface.place(gl_, programs, *places_, vertices_.buffer_id(), 2 * sizeof(vec4) / sizeof(float));
+  surface.place(gl_, programs, *places_, vertices_.buffer_id());
   set_area_unit(input);
 }
 

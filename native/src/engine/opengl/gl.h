@@ -22,13 +22,11 @@
   F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                             \
   F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
   F(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
-  F(PFNGLDISPATCHCOMPUTEINDIRECTPROC, DispatchComputeIndirect)                                                                   \
   F(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                             \
   F(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                                       \
   F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                                       \
   F(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                                   \
   F(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                                                             \
-  F(PFNGLCOPYNAMEDBUFFERSUBDATAPROC, CopyNamedBufferSubData)                                                                     \
   F(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                                                       \
   F(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
   F(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                                     \
@@ -81,13 +79,7 @@ struct GlLimits {
   // Invocations of a work group. Cards run 32 or 64 side by side and idle if a group has fewer. Software devices give each core a
   // row of groups; small groups balance these rows.
   int group_size = 64;
-  int ranges = 65536; // of lists of samples that the centers of one dispatch have side by side
 };
-
-// If balls hold many cells, a dispatch has room for some 20,000 centers: enough for the cores of a software device, but too few
-// for a card, which runs more at once.
-constexpr int most_ranges(bool software) { return 1 << (software ? 23 : 25); }
-constexpr int64_t bytes_of_range = 8;
 
 struct Gl {
 #define PARADESC_MEMBER(type, name) type name = nullptr;

@@ -73,8 +73,6 @@ std::string GlContext::look_at_context(bool software) {
   gl_.limits.group_size = software ? 16 : 64;
   // llvmpipe reports 2^27 bytes and accepts more; a test reads the end of a longer buffer.
   if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
-  const GLint64 of_buffer = std::min<GLint64>(gl_.limits.list_texels, gl_.limits.storage_bytes / bytes_of_range);
-  gl_.limits.ranges = static_cast<int>(std::min<GLint64>(most_ranges(software), of_buffer));
   return flaw;
 }
 

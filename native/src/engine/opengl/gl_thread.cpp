@@ -64,7 +64,6 @@ void GlThread::loop(bool software, int device_index, const DriverSubstitute &sub
     device_ = context->device();
     const GlLimits &limits = context->gl().limits;
     group_size_ = limits.group_size;
-    list_texels_ = limits.list_texels;
     largest_dispatch_ = std::min(limits.work_groups, (1 << 30) / group_size_) * group_size_;
   } catch (...) {
     shared.error = std::current_exception();

@@ -26,7 +26,6 @@ public:
   const std::string &device() const { return device_; }
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
   int group_size() const { return group_size_; }             // invocations that a device runs together
-  int list_texels() const { return list_texels_; }           // of a buffer texture, at most
   // Returns whether nothing more can be computed here, because some work ended with DEVICE_LOST or the thread is in another
   // process.
   bool lost() const { return shared_->lost || is_left_behind(); }
@@ -51,7 +50,7 @@ private:
 
   std::unique_ptr<Shared> shared_ = std::make_unique<Shared>();
   std::string device_;
-  int largest_dispatch_ = 0, group_size_ = 1, list_texels_ = 0;
+  int largest_dispatch_ = 0, group_size_ = 1;
   long process_;
 };
 
