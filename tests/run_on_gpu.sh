@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
-# Runs the tests of devices and the benchmarks on this machine's graphics card, and writes the figures into bench/REPORT.md.
+# Runs the tests of devices on this machine's graphics card.
 # Usage: bash tests/run_on_gpu.sh [--built]
-# It builds the library, the tests and the programs of the benchmarks, after it has installed what they need by apt where that is
-# there; Blender is not needed. With --built it installs and builds nothing, and takes what lies in build and in
+# It builds the library and the tests, after it has installed what they need by apt where that is there; Blender is not needed. With --built it installs and builds nothing, and takes what lies in build and in
 # addon/paradesc/lib: for a machine without a network or a compiler.
-# It ends with 1 where no card is offered, where a test failed on it, or where the figures could not be measured.
+# It ends with 1 where no card is offered, or where a test failed on it.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
 built=''
 
-usage() { sed -n '2,7s/^# //p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '2,6s/^# //p' "${BASH_SOURCE[0]}"; }
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -44,7 +43,7 @@ if [ -n "$built" ]; then
   [ -x "$root/build/paradesc_tests" ] || fail "There is no build/paradesc_tests; leave --built out, or build it first."
   export LD_LIBRARY_PATH=$root/addon/paradesc/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} # OpenMesh lies there
 else
-  install_packages "${BUILD_PACKAGES[@]}" libegl1 libgl1-mesa-dri libbenchmark-dev python3-numpy # Mesa drives AMD's and Intel's
+  install_packages "${BUILD_PACKAGES[@]}" libegl1 libgl1-mesa-dri python3-numpy # Mesa drives AMD's and Intel's
 fi
 python=$(python_that 'import sys, numpy; sys.exit(sys.version_info < (3, 10))' "$python" python3 /usr/bin/python3) ||
   fail "Python 3.10 or later with numpy is missing; please install it, then run this again."
@@ -52,14 +51,7 @@ python=$(python_that 'import sys, numpy; sys.exit(sys.version_info < (3, 10))' "
 name=$(card) || fail "No graphics card is offered here: $name$(why_hidden)"
 echo "Graphics card: $name"
 
-if [ -z "$built" ]; then
-  cmake -S "$root" -B "$root/build" -DPARADESC_BENCHMARKS=ON >/dev/null || fail "CMake could not add the benchmarks to the build."
-  build_library paradesc_tests paradesc_object_space paradesc_frame_host
-fi
-failed=()
-"$python" "$root/tests/drivers.py" card || failed+=("tests of devices (their log is build/drivers/card.log)")
-"$python" "$root/tests/bench/run.py" --quick --no-peers --backend gpu --page || failed+=("the benchmarks")
-if [ ${#failed[@]} -gt 0 ]; then
-  fail "On $name these failed: $(printf '%s; ' "${failed[@]}" | sed 's/; $//')."
-fi
-echo "On $name all tests of devices passed, and the figures are in tests/bench/REPORT.md."
+[ -n "$built" ] || build_library paradesc_tests
+"$python" "$root/tests/drivers.py" card ||
+  fail "On $name tests of devices failed; their log is build/drivers/card.log."
+echo "On $name all tests of devices passed."

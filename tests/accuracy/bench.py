@@ -1,4 +1,4 @@
-"""Computes meshes and options on a device, on the CPU and with the reference, and measures the errors."""
+"""Computes meshes and options with Paradesc and with its reference, and measures the errors."""
 
 import platform
 from dataclasses import asdict, dataclass, fields, replace
@@ -88,27 +88,18 @@ def angle(values, truth, weight, subset=None):
     return float(np.average(degrees[counts], weights=weight[counts])) if counts.any() else np.nan
 
 
-def open_device(threads=0):
-    """A graphics card, or else OpenGL without one."""
-    try:
-        return bridge.Context("gpu", threads=threads)
-    except bridge.ParadescError:
-        return bridge.Context("software", threads=threads)
-
-
 class Bench:
     """The engines, opened once."""
 
-    def __init__(self, backend):
-        self.context = open_device() if backend == "auto" else bridge.Context(backend)
-        self.cpu = bridge.Context("cpu")
+    def __init__(self):
+        self.context = bridge.Context("auto")  # the CPU, and the software device for what texture space alone has
         self.oracle = bridge.Context("reference")
         self.meshes = {}
         self.kept = {}
 
     @property
     def device(self):
-        return f"{self.context.backend}: {self.context.device}"
+        return self.context.device
 
     def forget(self):
         """Frees all meshes and results between sections."""
@@ -125,12 +116,8 @@ class Bench:
         return self.meshes[key][0]
 
     def run(self, arrays, names, chosen=None):
-        """The device's results."""
+        """Our results."""
         return self.compute(self.context, arrays, tuple(names), chosen or bridge.Options())
-
-    def on_cpu(self, arrays, names, chosen=None):
-        """The results of the engine on the CPU."""
-        return self.compute(self.cpu, arrays, tuple(names), chosen or bridge.Options())
 
     def reference(self, arrays, names, chosen=None):
         """The reference's results, computed once for the options that it reads."""
@@ -162,7 +149,7 @@ class Bench:
         return found
 
     def compare(self, arrays, names, chosen=None, against=None):
-        """Rows of compare.py, one a descriptor, and the device's results; against: options of the reference."""
+        """Rows of compare.py, one a descriptor, and our results; against: options of the reference."""
         found = self.run(arrays, names, chosen)
         truth = self.reference(arrays, names, against or chosen)
         return {name: compare.row(name, found, truth) for name in names}, found

@@ -152,24 +152,12 @@ def radius(bench, out, quick):
     rows, curves = [], {}
     for model, arrays, _ in models(out, ("spot",) if quick else ("spot", "bob", "human", "stanford-bunny")):
         for fraction in radii:
-            found_rows, found = bench.compare(arrays, names, options(radius=fraction))
-            truth = bench.reference(arrays, names, options(radius=fraction))
+            found_rows, _ = bench.compare(arrays, names, options(radius=fraction))
             means = [found_rows[name]["mean_percent_ae"] for name in names]
-            times = [float(part.field_report["seconds_total"]) for part in (found, truth)]
-            rows.append(
-                [
-                    model,
-                    f"{100 * fraction:g} %",
-                    found.field_report["radius_in_texels"],
-                    *means,
-                    100 * found.field_report["coverage_mean"],
-                    *times,
-                ]
-            )
+            rows.append([model, f"{100 * fraction:g} %", *means])
             curves.setdefault(model, []).append((100 * fraction, means[0]))
         bench.forget()
-    head = ["model", "r", "r in texels", "H", "K", "LBE", "coverage %", "device s", "reference s"]
-    out.table("Mean error in percent against the reference; times for scale only", head, rows)
+    out.table("Mean error in percent against the reference", ["model", "r", "H", "K", "LBE"], rows)
 
     def draw(axes):
         for model, points in curves.items():
@@ -204,8 +192,7 @@ def detail(bench, out, quick):
         own = errors(name, found.values[name], truth.values[name], found.radius)
         far = errors(name, found.values[name], finest[: len(arrays.positions)], found.radius)
         theirs = errors(name, truth.values[name], finest[: len(arrays.positions)], found.radius)
-        times = [float(part.field_report["seconds_total"]) for part in (found, truth)]
-        rows.append([len(arrays.triangle_corners), own.mean, own.p99, far.mean, theirs.mean, *times])
+        rows.append([len(arrays.triangle_corners), own.mean, own.p99, far.mean, theirs.mean])
         points.append((len(arrays.triangle_corners) / 1000, own.mean, far.mean))
     head = [
         "triangles",
@@ -213,10 +200,8 @@ def detail(bench, out, quick):
         "p99",
         "finest, mean",
         "own reference against finest",
-        "device s",
-        "reference s",
     ]
-    out.table("Error of H in percent; times for scale only", head, rows)
+    out.table("Error of H in percent", head, rows)
 
     def draw(axes):
         x, own, far = zip(*points, strict=True)
@@ -233,7 +218,7 @@ def detail(bench, out, quick):
 
 def area(bench, out, quick):
     out.say(
-        "The area of the neighborhood that the device found, as a share of the reference's, which knows no texels: an "
+        "The area of the neighborhood that `affine` found, as a share of the reference's, which knows no texels: an "
         "independent check of `coverage`. Both should be 100 %; the share of a single vertex wavers with the texels at"
         " the ball's rim, and exceeds 100 % where a part is connected in the one and not in the other."
     )
@@ -242,7 +227,7 @@ def area(bench, out, quick):
         for fraction in (0.02,) if quick else (0.02, 0.08):
             truth = bench.reference(arrays, [name], options(radius=fraction)).values[name]
             for size in (512, 1024) if quick else (512, 1024, 2048, 4096):
-                found = bench.run(arrays, [name], options(radius=fraction, buffer_size=size))
+                found = bench.run(arrays, [name], options(radius=fraction, buffer_size=size, relocation="affine"))
                 share = 100 * found.values[name] / truth
                 share = share[np.isfinite(share)]
                 cells = [share.mean(), *np.percentile(share, [0, 1, 50, 99]), 100 * found.field_report["coverage_mean"]]
@@ -258,7 +243,7 @@ def area(bench, out, quick):
 def fragments(bench, out, quick):
     out.say(
         "One model with charts of two sizes. Coverage is the share of the neighborhood's area that was found; a vertex"
-        " misses samples where it is below 0.999. *connected* follows links between cells of the buffer; *affine* "
+        " misses samples where it is below 0.999. *affine* "
         "carries each sample over at most so many seams, as the paper does. The paper's first missing sample with one "
         "jump: at 10 % on its fragmented bunny, none at 16 % on the other."
     )
@@ -267,7 +252,7 @@ def fragments(bench, out, quick):
     if bunny is None:
         out.lacks(f"{model}.obj is not in shared/meshes beside the checkout.")
         return
-    kinds = [("connected", {})] + [
+    kinds = [
         (f"affine, {jumps} jump{'s' * (jumps != 1)}", {"relocation": "affine", "max_jumps": jumps})
         for jumps in (1, 2, 8)
     ]

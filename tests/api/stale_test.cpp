@@ -99,7 +99,6 @@ TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
   if (!on_device) return; // the rest is of texture space
   bend_and_compare(with([](Settings &s) { s.seam_error = 1; }), "every place of a vertex");
   bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
-  bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_AFFINE; }), "samples that walk");
   names.pop_back(); // operators work at vertices, and the paper's way is slow
   bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_PAPER; }), "the paper's way");
   bend_and_compare(with([](Settings &s) {
@@ -109,8 +108,7 @@ TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
                    "at texels");
 }
 
-// A sheet that is folded where it lies: balls of the same radius then hold more pieces of it than before, for which a device has
-// to make room in the middle of a frame.
+// A sheet that is folded where it lies: balls of the same radius then hold more pieces of it than before.
 TEST_P(Stale, a_folded_sheet_is_computed_as_a_new_one) {
   constexpr double fold = 0.1;
   TestMesh sheet = plane(1, 1, {.vertices = 3000});

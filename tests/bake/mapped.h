@@ -50,17 +50,14 @@ protected:
     if (!context) GTEST_SKIP() << why_not;
   }
 
-  Results run(const TestMesh &mesh, const Maps &maps, const Settings &settings, const Descriptors &names,
-              int32_t relocation = PDESC_RELOCATION_CONNECTED) {
+  Results run(const TestMesh &mesh, const Maps &maps, const Settings &settings, const Descriptors &names) {
     const Mesh created = make_mesh(context.get(), mesh);
     EXPECT_EQ(set_maps(created.get(), maps, static_cast<int32_t>(mesh.corner_vertices.size())), PDESC_OK) << pdesc_last_error();
-    return run(created.get(), mesh, settings, names, relocation);
+    return run(created.get(), mesh, settings, names);
   }
 
-  Results run(pdesc_mesh *created, const TestMesh &mesh, const Settings &settings, const Descriptors &names,
-              int32_t relocation = PDESC_RELOCATION_CONNECTED) {
-    pdesc_options options = options_of(settings);
-    options.relocation = relocation;
+  Results run(pdesc_mesh *created, const TestMesh &mesh, const Settings &settings, const Descriptors &names) {
+    const pdesc_options options = options_of(settings);
     std::vector<const char *> requested;
     for (const std::string &name : names) requested.push_back(name.c_str());
     pdesc_field *field = nullptr;

@@ -77,15 +77,13 @@ TEST_F(SurfaceMapsTest, displaced_cap_is_measured_as_the_same_cap_in_geometry) {
 
 TEST_F(SurfaceMapsTest, lookups_repeat_outside_the_unit_square) {
   TestMesh mesh = unwrapped_plane(1000);
-  const Settings settings{.radius = 0.12, .radius_unit = PDESC_RADIUS_ABSOLUTE, .buffer_size = 512};
-  const Results here = run(mesh, cap_map(256), settings, curvatures);
   for (size_t i = 0; i < mesh.corner_uvs.size(); i += 2) {
     mesh.corner_uvs[i] -= 2;
     mesh.corner_uvs[i + 1] += 3;
   }
-  const Results elsewhere = run(mesh, cap_map(256), settings, curvatures);
-  // (u, v) around 3 has two bits less; a pixel's difference of two such heights loses as much.
-  expect_near(elsewhere["mean_curvature"], as_double(here["mean_curvature"]), 2e-4, interior(mesh, 0.13));
+  const Settings settings{.radius = 0.12, .radius_unit = PDESC_RADIUS_ABSOLUTE};
+  const Results results = run(mesh, cap_map(512), settings, {"mean_curvature"});
+  expect_near(results["mean_curvature"], 1 / cap_radius, 0.001 / cap_radius, inside_the_cap(mesh, 0.15)); // as within it
 }
 
 TEST_F(SurfaceMapsTest, a_private_layout_keeps_the_image_where_it_was) {
@@ -146,10 +144,10 @@ TEST_P(ConstantDisplacement, of_a_sphere_is_a_sphere) {
   TestMesh mesh = sphere(1, {.vertices = 6000});
   lay_out(mesh, {.charts = 6});
   const double exact = 1 + offset, r = 0.2 * exact;
-  const Settings settings{.radius = r, .radius_unit = PDESC_RADIUS_ABSOLUTE};
+  const Settings settings{.radius = r, .radius_unit = PDESC_RADIUS_ABSOLUTE, .relocation = relocation};
   const Maps maps = displacement(
       4, 4, [](double, double) { return 1.0; }, 0.5, 2 * offset);
-  const Results results = run(mesh, maps, settings, {"mean_curvature", "gaussian_curvature", "euclidean_area"}, relocation);
+  const Results results = run(mesh, maps, settings, {"mean_curvature", "gaussian_curvature", "euclidean_area"});
   // Fitted normals of 6000 vertices, on facets that lie 2e-4 inside: measured 0.1 % of H, 0.2 % of K at the worst vertex.
   expect_near(results["mean_curvature"], 1 / exact, 0.002 / exact);
   expect_near(results["gaussian_curvature"], 1 / (exact * exact), 0.004 / (exact * exact));
@@ -160,25 +158,7 @@ TEST_P(ConstantDisplacement, of_a_sphere_is_a_sphere) {
 }
 INSTANTIATE_TEST_SUITE_P(, ConstantDisplacement,
                          ::testing::Combine(::testing::Values(0.5, -0.4),
-                                            ::testing::Values(PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_AFFINE)));
-
-TEST_F(SurfaceMapsTest, triangles_without_texels_are_displaced_as_well) {
-  TestMesh mesh = sphere(1, {.vertices = 3000});
-  lay_out(mesh, {.charts = 6});
-  for (size_t corner = 0; corner < mesh.corner_vertices.size(); ++corner) // every tenth triangle: one position in the UV map
-    if (corner / 3 % 10 == 0)
-      for (size_t axis = 0; axis < 2; ++axis) mesh.corner_uvs[2 * corner + axis] = mesh.corner_uvs[corner / 3 * 6 + axis];
-  const double exact = 1.5, r = 0.2 * exact;
-  const Settings settings{.radius = r, .radius_unit = PDESC_RADIUS_ABSOLUTE};
-  const Maps maps = displacement(1, 1, [](double, double) { return 0.5; });
-  const Results results = run(mesh, maps, settings, {"mean_curvature", "euclidean_area"});
-  const PercentAe h = percent_ae(results["mean_curvature"], constant(mesh.points.size(), 1 / exact));
-  const PercentAe area = percent_ae(results["euclidean_area"], constant(mesh.points.size(), pi * r * r));
-  std::cout << "H: mean error " << h.mean << " %, area " << area.mean << " %\n";
-  // A tenth of the surface left on the base sphere would be a tenth of the area and far from the ball.
-  EXPECT_LT(h.mean, 0.2);
-  EXPECT_LT(area.mean, 1);
-}
+                                            ::testing::Values(PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER)));
 
 TEST_F(SurfaceMapsTest, the_meshs_boundary_moves_with_the_surface) {
   const TestMesh mesh = unwrapped_plane(1000);

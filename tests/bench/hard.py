@@ -8,7 +8,6 @@ import parts
 import rough_surfaces
 import surfaces
 import timing
-from figures import CPU
 
 from paradesc.bridge import MeshArrays, Options, ParadescError
 
@@ -82,7 +81,7 @@ def sweep(run: parts.Run, out: page.Section) -> None:
         "*Wanted* is in those units, or in seconds. Tori are irregular only in their noise; needles are from 1:80 to "
         "1:240."
     )
-    bench = run.engines[CPU]
+    bench = run.bench
     million = grid_of_torus(1250, 400)
     long, longer = grid_of_torus(2592, 9), grid_of_torus(8276, 29)
     cases: list[tuple[str, Callable[[], MeshArrays], float, str]] = [

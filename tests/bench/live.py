@@ -148,7 +148,6 @@ def main() -> int:
     parser.add_argument("--buffers", type=int, nargs="+", default=[512])
     parser.add_argument("--radius", type=float, default=2.0, help="percent of the diagonal")
     parser.add_argument("--backend", default="software")
-    parser.add_argument("--fast-seams", action="store_true", help="samples over seams one by one, not as in bakes")
     parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--json", type=Path)
     words = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else None)
@@ -160,7 +159,6 @@ def main() -> int:
     settings = bpy.context.scene.paradesc
     settings.samples, settings.buffer_size, settings.radius_percent = 4096, 8192, words.radius
     settings.backend, settings.descriptors = words.backend, {NAME}
-    bpy.context.scene.paradesc_live.fast_seams = words.fast_seams
     bpy.context.scene.frame_set(FRAMES)
     bare = 1e3 * min(frame_seconds(frame) for frame in range(1, FRAMES + 1))
     bpy.context.scene.frame_set(FRAMES)

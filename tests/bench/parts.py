@@ -18,7 +18,7 @@ import peers
 import programs
 import surfaces
 import timing
-from figures import ALLOWED_ERROR, CPU, FINE_ERROR
+from figures import ALLOWED_ERROR, FINE_ERROR
 from programs import MissingError
 from timing import NAME
 
@@ -36,17 +36,15 @@ EIGHT = (
     "local_bending_energy",
     "sphere_volume",
 )
-DEVICE = "device"
 THREE_RADII = (0.01, 0.02, 0.04)  # the middle one alone is what they are compared with
 FEWEST_IN_COMMON = 50
-AT_TEXELS = {"evaluate": "texel", "texels": 128, "buffer_size": 512}  # the paper's way, for many vertices
 
 
 @dataclass
 class Run:
     """What all parts share, and what they have found."""
 
-    engines: dict[str, timing.Bench]  # the device, and the engine on the CPU
+    bench: timing.Bench
     build: Path
     folder: Path
     baseline_seconds: float = 2.0  # a sample of the baseline runs about so long
@@ -56,16 +54,6 @@ class Run:
     reasons: dict[str, str] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     cpu_seconds: dict[str, float] = field(default_factory=dict)  # of all cores, those of other processes too
-
-    @property
-    def device(self) -> timing.Bench:
-        """The engine in texture space."""
-        return self.engines[DEVICE]
-
-    def each(self, measure: Callable[[timing.Bench], dict]) -> dict:
-        """What every engine measures, one after the other: the device's own, and the others' under their names."""
-        found = {name: measure(bench) for name, bench in self.engines.items()}
-        return found.pop(DEVICE) | found
 
     @contextmanager
     def part(self, *names: str):
@@ -96,24 +84,21 @@ def say(text: str) -> None:
 
 @contextmanager
 def open_run(arguments: object):
-    """The engines and a folder for files."""
+    """The engine on the CPU and a folder for files."""
     with tempfile.TemporaryDirectory() as folder:
-        engines = {DEVICE: timing.Bench(arguments.backend), CPU: timing.Bench(CPU)}
-        run = Run(engines, arguments.build, Path(folder))
+        run = Run(timing.Bench(), arguments.build, Path(folder))
         run.scale = arguments.scale
         run.baseline_seconds *= min(1.0, run.scale)
         yield run
 
 
-def against_baseline(
-    run: Run, arrays: MeshArrays, fraction: float, normals: tuple[str, ...] = ("fitted",), texels: bool = False
-) -> dict:
-    """Measures the baseline before and after each engine's frames, and their errors."""
+def against_baseline(run: Run, arrays: MeshArrays, fraction: float, normals: tuple[str, ...] = ("fitted",)) -> dict:
+    """Measures the baseline before and after our frames, and their errors."""
     path = programs.write_mesh(run.folder / "mesh", arrays)
     radius = fraction * meshes.diagonal(arrays)
     taken, found = programs.object_space(run.build, path, radius, run.baseline_seconds, run.reference_points)
     truth = found["reference"]
-    result = run.each(lambda bench: ways(bench, arrays, Options(radius=fraction), truth, normals, texels))
+    result = ways(run.bench, arrays, Options(radius=fraction), truth, normals)
     again, _ = programs.object_space(run.build, path, radius, run.baseline_seconds, methods="baseline")
     base = timing.fastest([taken["baseline"], again["baseline"]])
     return result | {
@@ -131,9 +116,8 @@ def ways(
     options: Options,
     truth: programs.Values,
     normals: tuple[str, ...],
-    texels: bool,
 ) -> dict:
-    """Measures one engine's frames and their errors: 256 samples, the fewest that keep an error, texels."""
+    """Measures our frames and their errors: 256 samples, and the fewest that keep an error."""
     mesh, once = bench.mesh(arrays, options)
     few = 1 if len(arrays.triangle_corners) > 500_000 else 2
 
@@ -142,21 +126,11 @@ def ways(
 
     with mesh:
         found = {"once": once, "at_256": frame(options, few)}
-    # This is another mesh, because small buffers may have laid the first one out afresh.
-    mesh, _ = bench.mesh(arrays, replace(options, buffer_size=timing.SMALLER[0]))
-    with mesh:
         fewest = bench.cheapest(mesh, arrays, options, truth, ALLOWED_ERROR)
         found["fewest"] = frame(fewest, 2 * few)
-        if not bench.texture_space:
-            found["fine"] = frame(bench.cheapest(mesh, arrays, options, truth, FINE_ERROR), 2 * few)
+        found["fine"] = frame(bench.cheapest(mesh, arrays, options, truth, FINE_ERROR), 2 * few)
         if "max" in normals:
             found["max_normals"] = frame(replace(fewest, normals="max"), few)
-        if "max" in normals and bench.texture_space:
-            paper = replace(options, normals="max", **AT_TEXELS)
-            found["at_texels"] = frame(bench.cheapest(mesh, arrays, paper, truth, ALLOWED_ERROR), 3)
-        if texels and bench.texture_space:
-            chosen = bench.cheapest_texels(mesh, arrays, options, truth)
-            found["at_fewest_texels"] = frame(chosen, 2) | {"texels": chosen.texels}
     return found
 
 
@@ -176,19 +150,16 @@ def radius(run: Run, triangles: int = 600_000, radii: tuple[float, float] = (0.0
     with run.part("radius"):
         arrays = torus(run, triangles)
 
-        def grown(bench: timing.Bench) -> dict:
-            mesh, _ = bench.mesh(arrays, Options(radius=radii[0]))
-            with mesh:
-                chosen = {
-                    name + label: Options(radius=fraction, samples=samples)
-                    for label, samples in (("", 256), ("_32_samples", 32))
-                    for name, fraction in zip(("small", "large"), radii, strict=True)
-                }
-                return in_turns(
-                    {name: partial(bench.frame, mesh, arrays, one, repeats=1) for name, one in chosen.items()}
-                )
-
-        run.measured["radius"] = run.each(grown) | {"triangles": len(arrays.triangle_corners)}
+        bench = run.bench
+        mesh, _ = bench.mesh(arrays, Options(radius=radii[0]))
+        with mesh:
+            chosen = {
+                name + label: Options(radius=fraction, samples=samples)
+                for label, samples in (("", 256), ("_32_samples", 32))
+                for name, fraction in zip(("small", "large"), radii, strict=True)
+            }
+            found = in_turns({name: partial(bench.frame, mesh, arrays, one, repeats=1) for name, one in chosen.items()})
+        run.measured["radius"] = found | {"triangles": len(arrays.triangle_corners)}
 
 
 def in_turns(frames: dict[str, Callable[[], dict]], turns: int = 2) -> dict[str, dict]:
@@ -209,30 +180,6 @@ def bunny(run: Run) -> MeshArrays | None:
     return None
 
 
-def host(run: Run, arrays: MeshArrays | None) -> None:
-    """Measures what a frame of the device asks of the processor, on the bunny and on a million triangles."""
-    gpu = run.device.context.backend == "gpu"
-    with run.part("host_bunny"):
-        if arrays is None:
-            raise MissingError(run.reasons["bunny"])
-        path = programs.write_mesh(run.folder / "host", arrays)
-        run.measured["host_bunny"] = programs.frame_host(run.build, path, 0.02, gpu)
-    with run.part("host_1m"):
-        path = programs.write_mesh(run.folder / "host", torus(run, 1_000_000))
-        run.measured["host_1m"] = programs.frame_host(run.build, path, 0.04, gpu)
-
-
-def texels(run: Run) -> None:
-    """Measures the device alone at the texels of a map of 512², with the default samples."""
-    with run.part("texels"):
-        arrays, options = torus(run, 100_000), Options(radius=0.02, evaluate="texel", texels=512)
-        mesh, _ = run.device.mesh(arrays, options)
-        with mesh:
-            frame = run.device.frame(mesh, arrays, options)
-        del frame["values"]
-        run.measured["texels"] = frame
-
-
 def together(run: Run) -> None:
     """Measures several descriptors from one sampling, and three radii of one frame."""
     with run.part("together"):
@@ -245,14 +192,12 @@ def together(run: Run) -> None:
             "twenty": tuple(row.name for row in rows),
         }
 
-        def several(bench: timing.Bench) -> dict:
-            options = Options(radius=THREE_RADII[1])
-            mesh, _ = bench.mesh(arrays, options)
-            with mesh:
-                frames = {name: partial(bench.frame, mesh, arrays, options, some, 1) for name, some in names.items()}
-                return in_turns(frames | {"three_radii": partial(three_radii, mesh, arrays, options)}, 3)
-
-        run.measured["together"] = run.each(several)
+        options, bench = Options(radius=THREE_RADII[1]), run.bench
+        mesh, _ = bench.mesh(arrays, options)
+        with mesh:
+            frames = {name: partial(bench.frame, mesh, arrays, options, some, 1) for name, some in names.items()}
+            frames["three_radii"] = partial(three_radii, mesh, arrays, options)
+            run.measured["together"] = in_turns(frames, 3)
 
 
 def three_radii(mesh: bridge.Mesh, arrays: MeshArrays, options: Options) -> dict[str, float]:
@@ -268,25 +213,6 @@ def three_radii(mesh: bridge.Mesh, arrays: MeshArrays, options: Options) -> dict
     return {"seconds": min(taken)}
 
 
-def gather(run: Run, name: str, charts: int) -> None:
-    """Measures an evaluation with 256 samples and the bare fetches of as many, at the same vertices and layout."""
-    with run.part(name):
-        arrays = torus(run, 100_000, charts)
-        options, bench = Options(radius=0.02), run.device
-        mesh, _ = bench.mesh(arrays, options)
-        with mesh:
-            frame = bench.frame(mesh, arrays, options)
-            del frame["values"]
-            layout = replace(arrays, corner_uvs=mesh.layout().reshape(-1, 2))
-            affine = bench.frame(mesh, arrays, replace(options, relocation="affine"), repeats=1)
-            del affine["values"]
-            count = mesh.report()["charts"]
-        path = programs.write_mesh(run.folder / "layout", layout)
-        gpu = bench.context.backend == "gpu"
-        bare = programs.gather(run.build, path, frame["radius_in_texels"], options.samples, options.buffer_size, gpu)
-        run.measured[name] = {"charts": count, "evaluate": frame, "bare": bare, "affine": affine}
-
-
 def memory(run: Run, triangles: int = 1_000_000) -> None:
     """Measures the memory of a mesh and a frame."""
     alone(run, "memory", triangles)
@@ -298,12 +224,9 @@ def first_bake(run: Run, triangles: int = 70_000) -> None:
 
 
 def alone(run: Run, measure: str, triangles: int) -> None:
-    """Measures every engine in a process of its own."""
+    """Measures in a process of its own."""
     with run.part(measure):
-        count = int(run.scale * triangles)
-        run.measured[measure] = run.each(
-            lambda bench: timing.in_a_process_of_its_own(measure, bench.context.backend, count)
-        )
+        run.measured[measure] = timing.in_a_process_of_its_own(measure, int(run.scale * triangles))
 
 
 def blender(run: Run, arrays: MeshArrays | None) -> None:
@@ -314,7 +237,7 @@ def blender(run: Run, arrays: MeshArrays | None) -> None:
         corners = given.triangle_corners.ravel()
         vertices, uvs = given.corner_vertices[corners], given.corner_uvs[corners]
         np.savez(path, positions=given.positions, corner_vertices=vertices, corner_uvs=uvs)
-        words = [sys.executable, str(HERE / "blender_times.py"), str(path), run.device.context.backend]
+        words = [sys.executable, str(HERE / "blender_times.py"), str(path)]
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
             last = (done.stderr.strip().splitlines() or ["no output"])[-1]

@@ -6,7 +6,6 @@ import peers
 import programs
 import surfaces
 import timing
-from figures import CPU
 from parts import Run, common_error
 from programs import MissingError
 
@@ -76,25 +75,21 @@ def ran(run: Run, peer: peers.Peer, arrays: MeshArrays, radius: float) -> peers.
 def our_turn(run: Run, arrays: MeshArrays) -> None:
     """Measures the bunny's frames once more, between peers; the fastest of all turns counts."""
     bunny = run.measured["bunny"]
-    one_core = timing.Bench(CPU, threads=1)  # for a peer that computes on one
-    for bench, kept, wanted in (
-        (run.device, bunny, ("at_256", "fewest")),
-        (run.engines[CPU], bunny[CPU], ("at_256", "fewest")),
-        (one_core, bunny[CPU], ("one_core",)),
-    ):
+    one_core = timing.Bench(threads=1)  # for a peer that computes on one
+    for bench, wanted in ((run.bench, ("at_256", "fewest")), (one_core, ("one_core",))):
         mesh, _ = bench.mesh(arrays, Options())
         with mesh:
             for way in wanted:
-                before = kept.get(way, kept["at_256"] | {"seconds": np.inf})
+                before = bunny.get(way, bunny["at_256"] | {"seconds": np.inf})
                 again = bench.frame(mesh, arrays, settings_of(before))
                 del again["values"]
-                kept[way] = timing.fastest([before, again | {"error": before["error"]}])
+                bunny[way] = timing.fastest([before, again | {"error": before["error"]}])
     one_core.context.close()
 
 
 def settings_of(frame: dict) -> Options:
     """The options of a frame that was measured."""
-    return Options(samples=frame["samples"], buffer_size=frame["buffer_size"])
+    return Options(samples=frame["samples"])
 
 
 def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
@@ -102,17 +97,13 @@ def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
     with run.part("errors on the torus"):
         bunny = run.measured["bunny"]
 
-        def errors(bench: timing.Bench) -> dict[str, float]:
-            measured = bunny if bench.texture_space else bunny[CPU]
-            mesh, _ = bench.mesh(surface.arrays, Options())
-            with mesh:
-                frames = {
-                    way: bench.frame(mesh, surface.arrays, settings_of(measured[way]), repeats=1)
-                    for way in ("at_256", "fewest")
-                }
-            return {way: timing.with_error(frame, closed)["error"] for way, frame in frames.items()}
-
-        found = run.each(errors)
+        mesh, _ = run.bench.mesh(surface.arrays, Options())
+        with mesh:
+            frames = {
+                way: run.bench.frame(mesh, surface.arrays, settings_of(bunny[way]), repeats=1)
+                for way in ("at_256", "fewest")
+            }
+        found = {way: timing.with_error(frame, closed)["error"] for way, frame in frames.items()}
         path = programs.write_mesh(run.folder / "peers", surface.arrays)
         base = programs.object_space(run.build, path, 0.02 * surface.diagonal, methods="baseline")[1]["baseline"]
         truth = closed.values[base.vertices]

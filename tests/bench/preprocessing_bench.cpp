@@ -11,21 +11,20 @@
 
 #include <benchmark/benchmark.h>
 
+#include "bake/bake_vertices.h"
 #include "bench/mesh_file.h"
-#include "engine/opengl/geometry_buffer.h"
-#include "engine/opengl/gl_thread.h"
 #include "mesh/cut.h"
 #include "mesh/halfedge.h"
 #include "mesh/layout.h"
 #include "mesh/normals.h"
-#include "sample/cells.h"
+#include "sample/border_grid.h"
 #include "support/layout.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
 namespace {
 
-constexpr int buffer_size = 1024, cell_block = 4;
+constexpr int buffer_size = 1024;
 
 TestMesh torus_of_60_charts() {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 500000, .irregular = false});
@@ -40,24 +39,7 @@ struct Made {
   HalfEdges half_edges;
   Charts charts;
   NormalRings rings;
-  BorderGrid grid;
-  std::vector<int32_t> ids; // empty where there is no device
 };
-
-std::vector<int32_t> bake_ids(const Made &made) {
-  GlThread thread(true, -1);
-  const BakeVertices vertices = build_bake_vertices(made.triangles, made.charts, *made.rings.corner_fan);
-  std::vector<int32_t> ids;
-  thread.run([&](const Gl &gl, ProgramCache &programs) {
-    GeometryBuffer buffer(gl, buffer_size);
-    buffer.begin_layout(made.triangles, made.charts, vertices);
-    buffer.draw_triangles(programs, 0, buffer.triangle_count());
-    buffer.draw_borders(programs);
-    buffer.end_layout(programs);
-    ids = buffer.read_ids();
-  });
-  return ids;
-}
 
 const Made &made() {
   static const Made once = [] {
@@ -68,11 +50,6 @@ const Made &made() {
     result.half_edges = build_half_edges(result.triangles);
     result.charts = build_charts(result.triangles, result.half_edges);
     result.rings = build_normal_rings(result.triangles, result.half_edges);
-    result.grid = build_border_grid(result.charts, buffer_size);
-    try {
-      result.ids = bake_ids(result);
-    } catch (const std::exception &) { // no device: cells are skipped
-    }
     return result;
   }();
   return once;
@@ -103,12 +80,6 @@ void bake_vertices(benchmark::State &state) {
 }
 void border_grid(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_border_grid(from.charts, buffer_size); });
-}
-void cells(benchmark::State &state) {
-  if (made().ids.empty()) return state.SkipWithError("no OpenGL 4.5 device");
-  measure(state, [](const Made &from) {
-    return build_cells(from.ids, from.grid, from.triangles, from.half_edges, from.charts, cell_block);
-  });
 }
 // Cutting is needed only where the UV map is under suspicion.
 void cut(benchmark::State &state) {
@@ -184,7 +155,6 @@ PARADESC_STEP(charts);
 PARADESC_STEP(normal_rings);
 PARADESC_STEP(bake_vertices);
 PARADESC_STEP(border_grid);
-PARADESC_STEP(cells);
 PARADESC_STEP(cut);
 PARADESC_STEP(layout);
 PARADESC_STEP(normals);

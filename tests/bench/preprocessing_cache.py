@@ -28,14 +28,14 @@ from timing import resident, status_bytes
 
 from paradesc.bridge import Context, MeshArrays, Options
 
-# A file could keep these results of each step; cells also depend on the device's rasterizer, the buffer and the radius.
+# A file could keep these results of each step.
 STEPS = {
     "half_edges": ["twin", "corner_point", "point_vertex", "point_half_edge", "vertex_point"],
     "charts": ["triangle_chart", "corner_wedge", "half_edge_border", "point_wedge"],
     "normal_rings": ["corner_fan", "fan_point", "ring_begin", "ring_point", "face_begin", "face", "own_faces"],
 }
 KEPT = [name for names in STEPS.values() for name in names]
-REBUILT_ANYWAY = ["triangles", "bake_vertices", "border_grid", "cells"]
+REBUILT_ANYWAY = ["triangles", "bake_vertices", "border_grid"]
 UNDER_SUSPICION = ["cut"]  # where texels are claimed twice, as they are at a million triangles
 DOMAINS = {"POINT": "vertices", "CORNER": "loops", "FACE": "polygons"}
 

@@ -1,7 +1,6 @@
 """Builds the native programs of the benchmarks if they are missing, runs them, and reads what they print."""
 
 import json
-import os
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,10 +10,9 @@ import numpy as np
 from paradesc.bridge import MeshArrays
 
 ROOT = Path(__file__).resolve().parents[2]
-OBJECT_SPACE, GATHER, CGAL = "paradesc_object_space", "paradesc_gather_bench", "paradesc_cgal_curvature"
-FRAME_HOST = "paradesc_frame_host"
+OBJECT_SPACE, CGAL = "paradesc_object_space", "paradesc_cgal_curvature"
 # What a program needs beyond the library's own.
-NEEDS = {GATHER: "it needs libbenchmark-dev", CGAL: "it needs CGAL 6: bash tests/bench/cgal.sh"}
+NEEDS = {CGAL: "it needs CGAL 6: bash tests/bench/cgal.sh"}
 
 
 class MissingError(Exception):
@@ -84,11 +82,6 @@ def cgal(build: Path, mesh: Path, radius: float, *kind: str) -> tuple[float, Val
     return seconds, read_values(file)
 
 
-def frame_host(build: Path, mesh: Path, fraction: float, gpu: bool) -> dict:
-    """What a frame in texture space asks of the processor; fraction: the radius as a part of the diagonal."""
-    return json.loads(printed(build, FRAME_HOST, [str(mesh), repr(fraction), "gpu" if gpu else "software"]))
-
-
 def printed(build: Path, name: str, words: list[str]) -> str:
     """What a program prints; MissingError says what it complains of."""
     done = subprocess.run([str(program(build, name)), *words], capture_output=True, text=True, check=False)
@@ -102,25 +95,3 @@ def read_values(path: Path) -> Values:
     data = path.read_bytes()
     count = int(np.frombuffer(data, np.int32, 1)[0])
     return Values(np.frombuffer(data, np.int32, count, 4), np.frombuffer(data, np.float32, count, 4 + 4 * count))
-
-
-def gather(build: Path, mesh: Path, texels: float, samples: int, size: int, gpu: bool) -> dict[str, dict]:
-    """Seconds of the bare fetches at a mesh's vertices, by the way of fetching; texels: how many the radius spans."""
-    setting = {"MESH": mesh, "TEXELS": texels, "SAMPLES": samples, "SIZE": size} | ({"GPU": 1} if gpu else {})
-    environment = os.environ | {f"PARADESC_BENCH_{name}": str(value) for name, value in setting.items()}
-    out = mesh.with_suffix(".gather")
-    words = [program(build, GATHER), f"--benchmark_out={out}", "--benchmark_min_time=0.2", "--benchmark_repetitions=3"]
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise MissingError(f"{GATHER}: {done.stderr.strip()}")
-    found: dict[str, dict] = {}
-    for row in json.loads(out.read_text())["benchmarks"]:
-        if row.get("error_occurred"):
-            raise MissingError(f"{GATHER}: {row['error_message']}")
-        if row["run_type"] != "iteration":
-            continue
-        kept = found.setdefault(row["name"].split("/")[0].removeprefix("gather_by_"), {"seconds": np.inf})
-        kept["seconds"] = min(kept["seconds"], 1e-3 * row["real_time"])
-        if "gpu_ms" in row:
-            kept["gpu_seconds"] = min(kept.get("gpu_seconds", np.inf), 1e-3 * row["gpu_ms"])
-    return found

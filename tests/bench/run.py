@@ -1,12 +1,11 @@
-"""Times the device and the engine on the CPU against the baseline, other programs, and the device's bare fetches.
+"""Times the engine on the CPU against the baseline and other programs.
 
     .venv/bin/python tests/bench/run.py --quick --json FILE      # the ratios that are asked for, in some ten minutes
     .venv/bin/python tests/bench/run.py --quick --page           # and tests/bench/REPORT.md, its plot, README's table
     .venv/bin/python tests/bench/run.py --sweep detail --sweep charts --page
     .venv/bin/python tests/bench/run.py --quick --sweep models --json FILE     # with the ratios of this sweep
 
-On a graphics card --page keeps the ratios in results/gpu.json, beside those without one.
-FILE has the device, the CPU, the date, the commit and one key for each ratio (null with a reason if a part is missing),
+FILE has the CPU, the date, the commit and one key for each ratio (null with a reason if a part is missing),
 and the parts themselves. A sweep takes minutes, and writes results/<sweep>.json; --page puts together all that are
 there. Other programs on the machine make every figure worthless, so the file also has the load before the run.
 """
@@ -49,9 +48,6 @@ def parse(words: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--no-peers", action="store_true", help="leave other programs out")
     parser.add_argument(
-        "--backend", choices=("auto", "gpu", "software"), default="auto", help="which device stands beside the CPU"
-    )
-    parser.add_argument(
         "--build", type=Path, default=ROOT / "build", help="folder of the native programs (default: build)"
     )
     parser.add_argument("--scale", type=float, default=1.0, help="of the meshes: to try the script; no figures")
@@ -65,11 +61,9 @@ def parse(words: list[str] | None) -> argparse.Namespace:
 
 
 def about(run: parts.Run, command: str) -> dict[str, object]:
-    """Says on which engines, where and when this was measured."""
-    context = run.device.context
+    """Says on which engine, where and when this was measured."""
     return {
-        "device": f"{context.backend}: {context.device}",
-        "engines": {name: bench.context.device for name, bench in run.engines.items()},
+        "device": run.bench.context.device,
         **where_and_when(command),
     }
 
@@ -92,12 +86,8 @@ def quick(run: parts.Run, with_peers: bool) -> None:
     parts.detail(run, 100_000, "detail_100k")
     parts.detail(run, 1_000_000, "detail_1m")
     parts.detail(run, 2_000_000, "detail_2m")
-    parts.host(run, arrays)
-    parts.texels(run)
     parts.radius(run)
     parts.together(run)
-    parts.gather(run, "gather_one_chart", 1)
-    parts.gather(run, "gather_many_charts", 6)
     parts.memory(run)
     parts.first_bake(run)
     parts.blender(run, arrays)
@@ -122,24 +112,16 @@ def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
     }
 
 
-def show(found: dict[str, object], on_card: bool) -> None:
-    """Prints the ratios beside their targets, those of a card last."""
-    show_rows(figures.FIGURES, found, found["reasons"])
-    for name, value in found["beside"].items():
-        sys.stdout.write(f"{name:40} {value:g}\n")
-    if on_card:
-        sys.stdout.write("of a graphics card:\n")
-        show_rows(figures.CARD_FIGURES, *figures.figures(found["measured"], found["reasons"], figures.CARD_FIGURES))
-
-
-def show_rows(rows: dict[str, figures.Figure], values: dict[str, object], reasons: dict[str, str]) -> None:
-    """Prints a line for each."""
-    for name, figure in rows.items():
-        value = values[name]
+def show(found: dict[str, object]) -> None:
+    """Prints the ratios beside their targets."""
+    for name, figure in figures.FIGURES.items():
+        value = found[name]
         wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
         state = "–" if value is None else "met" if figure.met(value) else "missed"
-        shown = reasons.get(name, "") if value is None else f"{value:g}"
+        shown = found["reasons"].get(name, "") if value is None else f"{value:g}"
         sys.stdout.write(f"{name:30} {shown:>10}   {wanted:8} {state}\n")
+    for name, value in found["beside"].items():
+        sys.stdout.write(f"{name:40} {value:g}\n")
 
 
 def write_pages(results: Path) -> None:
@@ -163,11 +145,10 @@ def main(words: list[str] | None = None) -> int:
                 quick(run, not arguments.no_peers)
                 found = content(run, stamp)
                 text = json.dumps(found, indent=1, ensure_ascii=False) + "\n"
-                on_card = run.device.context.backend == "gpu"
-                kept = results / (speed_page.CARD if on_card else speed_page.QUICK)
+                kept = results / speed_page.QUICK
                 for path in {arguments.json or kept, *([kept] if arguments.page else [])}:
                     path.write_text(text)
-                show(found, on_card)
+                show(found)
     if arguments.page:
         write_pages(results)
     parts.say(f"{time.monotonic() - start:.0f} s in all\n")

@@ -21,7 +21,6 @@ DESCRIPTORS = ["mean_curvature", "gaussian_curvature", "local_bending_energy", "
 PAPER = {"relocation": "paper", "max_jumps": 1}
 AS_PRINTED = PAPER | {"pattern": "stratified", "estimator": "integral", "variance_reduction": "none"}
 CHOICES = {
-    "connected": {"relocation": "connected"},
     "affine": {"relocation": "affine"},
     "affine, stratified": {"relocation": "affine", "pattern": "stratified"},
     "affine, directional": {"relocation": "affine", "ellipse": "directional"},
@@ -186,11 +185,11 @@ def main() -> None:
                 base = Options(radius=radius, samples=arguments.samples, buffer_size=arguments.buffer_size)
                 rows = {name: replace(base, **choice) for name, choice in CHOICES.items()}
                 if arguments.table == "jumps":
-                    rows = {"connected": base}
+                    rows = {}
                     for jumps in (0, 1, 2, 4, 8, 16):
                         rows[f"affine, {jumps} jumps"] = replace(base, relocation="affine", max_jumps=jumps)
                 elif arguments.table == "fragments":
-                    rows = {name: rows[name] for name in ("connected", "affine", "paper, 1 jump")}
+                    rows = {name: rows[name] for name in ("affine", "paper, 1 jump")}
                 with context.mesh(mesh) as loaded:
                     charts = loaded.report()["charts"]
                 sys.stdout.write(f"\n{path.stem}, {charts} charts, radius {radius}\n")

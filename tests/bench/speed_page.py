@@ -8,17 +8,15 @@ import figures
 import page
 import sweeps
 import timing
-from figures import CPU
 
 START, END = "<!-- speed: written by tests/bench/run.py --page -->", "<!-- end of speed -->"
-SIZE_NAMES = {"100k": "100 K", "1m": "1 M", "2m": "2 M"}
 PYTHON_START = "<!-- packages: written by tests/bench/python_peers.py --page -->"
 PYTHON_END = "<!-- end of packages -->"
-QUICK, CARD, PLOT, PYTHON = "quick.json", "gpu.json", "peers.png", "python_peers.json"
+QUICK, PLOT, PYTHON = "quick.json", "peers.png", "python_peers.json"
 WAYS = ("fewest", "at_256", "one_core")  # in which frames of the bunny are timed beside other programs
 # The same program as a Python package, which has errors on surfaces that are not smooth, by its label in README's table.
 PACKAGE_OF = {
-    "Paradesc, CPU, 256 samples": "paradesc",
+    "Paradesc, 256 samples": "paradesc",
     "VTK, mean curvature": "pyvista",
     "PyMeshLab, discrete": "pymeshlab_discrete",
     "PyMeshLab, scale-dependent quadric, the same radius": "pymeshlab_quadric",
@@ -43,7 +41,6 @@ def write(results: Path, root: Path | None) -> None:
             fill(root / "README.md", readme_lines(found, packages))
     else:
         lines += ["The ratios have not been measured yet: `--quick --page`.", ""]
-    lines += card_lines(stored(results / CARD))
     if packages:
         lines += python_lines(packages)
         if root:
@@ -70,10 +67,9 @@ def intro() -> list[str]:
         "map alone; fitted normals are in them. The *baseline* is the paper's method in object space "
         "(`baseline.cpp`): Voronoi-weighted vertices within r, found by a flood over half-edges, on all "
         "cores; its set-up, normals and weights are not counted. It is timed at a random sample of the same "
-        "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest*: the smallest buffers of "
-        "256, 512 and 1024 texels, and then as few samples, as "
+        "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest*: as few samples as "
         f"keep the mean error against the reference at 400 random vertices to {figures.ALLOWED_ERROR:g} %. "
-        f"*Fine*, of the engine on the CPU: to {figures.FINE_ERROR:g} %. Frames are timed beside what they are "
+        f"*Fine*: to {figures.FINE_ERROR:g} %. Frames are timed beside what they are "
         "compared with: the baseline before and after them, other programs in turns with them. "
         "Errors are the one definition of this project (`addon/paradesc/core/compare.py`).",
         "",
@@ -109,27 +105,6 @@ def figure_rows(rows: dict[str, figures.Figure], values: dict, reasons: dict[str
     return lines
 
 
-def card_lines(found: dict | None) -> list[str]:
-    """Shows what a graphics card was asked for beside what one measured."""
-    lines = ["## On a graphics card", ""]
-    if not found:
-        return [*lines, "No graphics card has been measured yet: `bash tests/run_on_gpu.sh`.", ""]
-    values, reasons = figures.figures(found["measured"], found["reasons"], figures.CARD_FIGURES)
-    detail = found["measured"].get("detail_1m")
-    lines += ["| key | what | value | wanted | met |", "| --- | --- | ---: | ---: | --- |"]
-    lines += figure_rows(figures.CARD_FIGURES, values, reasons)
-    lines += [""]
-    if detail:
-        frame = detail["at_256"]
-        lines += [
-            f"With 256 samples the frame of 1 M triangles takes {page.shown(1e3 * frame['seconds'])} ms"
-            f" ({page.shown(figures.speedup(detail, 'at_256'))} times). The baseline ran on the processor below.",
-            "",
-        ]
-    drivers = [part["driver"] for part in found["measured"].values() if "driver" in part]
-    return [*lines, *stamp_lines(found | {"device": ", OpenGL ".join([found["device"], *drivers[:1]])})]
-
-
 def peer_rows(found: dict, ways: tuple = WAYS) -> list[tuple[str, float, float | None, float | None, str]]:
     """Label, seconds, error against the reference and against the closed form in percent, note; fastest first."""
     measured = found["measured"]
@@ -139,15 +114,10 @@ def peer_rows(found: dict, ways: tuple = WAYS) -> list[tuple[str, float, float |
         note = row.get("note") or ("" if row.get("same_radius") else "another radius")
         rows.append((row["label"], row["seconds"], row.get("error"), row.get("error_closed"), note))
     if bunny:
-        for where, frames, errors in (
-            ("CPU", bunny.get(CPU, {}), closed.get(CPU, {})),
-            ("texture space without a card", bunny, closed),
-        ):
-            for way in ways:
-                if way in frames:
-                    label = f"Paradesc, {where}, {frames[way]['samples']} samples" + ", one core" * (way == "one_core")
-                    error = errors.get("at_256" if way == "one_core" else way)
-                    rows.append((label, frames[way]["seconds"], frames[way]["error"], error, ""))
+        for way in (way for way in ways if way in bunny):
+            label = f"Paradesc, {bunny[way]['samples']} samples" + ", one core" * (way == "one_core")
+            error = closed.get("at_256" if way == "one_core" else way)
+            rows.append((label, bunny[way]["seconds"], bunny[way]["error"], error, ""))
         base = bunny["baseline"]
         rows.append(("the paper's object-space method", base["seconds"], base.get("error"), closed.get("baseline"), ""))
     return sorted(rows, key=lambda row: row[1])
@@ -195,45 +165,28 @@ def peer_lines(found: dict, image: str) -> list[str]:
 def stage_lines(found: dict) -> list[str]:
     """Shows where the time goes."""
     rows = []
-    detail = ("fewest", "fine", "max_normals", "at_texels", "at_256", "one_core")
+    detail = ("fewest", "fine", "max_normals", "at_256", "one_core")
     for part, kinds in (
         ("detail_100k", detail),
         ("detail_1m", detail),
         ("detail_2m", detail),
         ("radius", ("small", "large")),
         ("bunny", detail),
-        ("gather_one_chart", ("evaluate", "affine")),
-        ("gather_many_charts", ("evaluate", "affine")),
         ("together", ("one", "eight", "sixteen", "twenty")),
     ):
-        both = found["measured"].get(part, {})
-        for name, measured in (("", both), ("CPU", both.get(CPU, {}))):
-            for kind in (kind for kind in kinds if kind in measured):
-                rows.append([part, f"{name} {kind}".strip(), *stage_cells(measured[kind], bool(name))])
-    head = [
-        "mesh",
-        "",
-        "samples",
-        "buffers",
-        "error %",
-        "frame ms",
-        "all cores ms",
-        "prepare",
-        "bake",
-        "evaluate",
-        "upload, gather, read",
-    ]
+        measured = found["measured"].get(part, {})
+        rows += [[part, kind, *stage_cells(measured[kind])] for kind in kinds if kind in measured]
+    head = ["mesh", "", "samples", "error %", "frame ms", "all cores ms", "prepare", "evaluate", "upload, gather, read"]
     lines = ["## Where a frame's time goes", "", "| " + " | ".join(head) + " |"]
     lines += ["|" + " --- |" * 2 + " ---: |" * (len(head) - 2)]
     return [*lines, *("| " + " | ".join(row) + " |" for row in rows), "", *stamp_lines(found)]
 
 
-def stage_cells(row: dict, on_cpu: bool) -> list[str]:
-    """One frame's settings, error and milliseconds by stage."""
-    stages = [row[f"seconds_{stage}"] for stage in timing.STAGES]
-    times = [row["seconds"], row["cpu_seconds"], *stages[:-1], row["seconds"] - stages[-1]]
-    settings = [str(row["samples"]), "–" if on_cpu else str(row["buffer_size"]), percent(row.get("error"))]
-    return [*settings, *(f"{1e3 * one:.1f}" for one in times)]
+def stage_cells(row: dict) -> list[str]:
+    """One frame's samples, error and milliseconds by stage."""
+    prepare, evaluate, total = (row[f"seconds_{stage}"] for stage in timing.STAGES)
+    times = [row["seconds"], row["cpu_seconds"], prepare, evaluate, row["seconds"] - total]
+    return [str(row["samples"]), percent(row.get("error")), *(f"{1e3 * one:.1f}" for one in times)]
 
 
 def plot(found: dict, path: Path) -> bool:
@@ -294,15 +247,13 @@ def readme_lines(found: dict, packages: dict | None = None) -> list[str]:
 
 
 def growth_lines(found: dict) -> list[str]:
-    """How many times faster than the baseline a frame of the largest mesh is: on the CPU, and in texture space."""
-    every, size = found | found["beside"], figures.SIZES[-1]
-    cpu, texture_space = every.get(f"cpu_speedup_{size}"), every.get(f"speedup_{size}")
-    if not (cpu and texture_space):
+    """How many times faster than the baseline a frame of the largest mesh is."""
+    faster = found.get("speedup_2m")
+    if not faster:
         return []
     return [
-        f"On {SIZE_NAMES[size]} triangles, r = 4 %, a frame is {page.shown(cpu)} times faster than the paper's"
-        f" object-space method on the CPU (error below {figures.FINE_ERROR:g} %), {page.shown(texture_space)} times"
-        f" in texture space ({figures.ALLOWED_ERROR:g} %). [All figures and targets](tests/bench/REPORT.md)",
+        f"On 2 M triangles, r = 4 %, a frame is {page.shown(faster)} times faster than the paper's object-space method"
+        f" (error below {figures.FINE_ERROR:g} %). [All figures and targets](tests/bench/REPORT.md)",
         "",
     ]
 

@@ -13,7 +13,6 @@ import page
 import parts
 import programs
 import timing
-from figures import CPU
 from sections_models import MODELS
 from timing import STAGES
 
@@ -45,11 +44,9 @@ def head_of(*labels: str) -> list[str]:
 
 
 def compared(found: dict, *names: str) -> list[float]:
-    """What parts.against_baseline measured in each of these ways; those of the CPU begin with its name."""
+    """What parts.against_baseline measured in each of these ways."""
     cells = []
-    for name in names:
-        engine, _, way = name.rpartition(" ")
-        one = (found[engine] if engine else found)[way]
+    for one in (found[name] for name in names):
         cells += [one["samples"], one["error"], milliseconds(one["seconds"])]
         cells.append(found["baseline"]["seconds"] / one["seconds"])
     return cells
@@ -61,32 +58,24 @@ def detail(run: parts.Run, out: page.Section) -> None:
         "A torus, irregularly triangulated, eight charts, r = 4 % of the diagonal, mean curvature. Frames from "
         "positions to results in Python, without preprocessing on both sides; the baseline on all cores, extrapolated "
         "from a random sample of the same mesh's vertices. Errors against the reference at 400 random vertices. "
-        "*Texels*: evaluated there and looked up at vertices, as the paper does, with Max's normals. *CPU*: that "
-        f"engine, with the fewest samples that keep {figures.ALLOWED_ERROR:g} % and {figures.FINE_ERROR:g} % (*fine*), "
-        "and with 256."
+        f"*Fewest*: samples that keep {figures.ALLOWED_ERROR:g} %; *fine*: {figures.FINE_ERROR:g} %."
     )
-    ways = ("fewest", "at_256", "max_normals", "at_texels", "cpu fewest", "cpu fine", "cpu at_256")
-    labels = ("fewest", "256", "Max's normals", "texels", "CPU, fewest", "CPU, fine", "CPU, 256")
     rows, curves = [], []
     for triangles in TRIANGLES:
         found = parts.against_baseline(run, parts.torus(run, triangles), 0.04, ("fitted", "max"))
         base = found["baseline"]
-        stages = [
-            milliseconds(one[f"seconds_{stage}"]) for one in (found["fewest"], found[CPU]["fine"]) for stage in STAGES
-        ]
-        rows.append(
-            [found["triangles"], base["seconds"], base["neighbors_per_point"], *compared(found, *ways), *stages]
-        )
-        shown = (base, found["fewest"], found["at_256"], found["at_texels"], found[CPU]["fine"], found[CPU]["at_256"])
+        ways = compared(found, "fewest", "fine", "at_256", "max_normals")
+        stages = [milliseconds(found["fine"][f"seconds_{stage}"]) for stage in STAGES]
+        rows.append([found["triangles"], base["seconds"], base["neighbors_per_point"], *ways, *stages])
+        shown = (base, found["fine"], found["at_256"])
         curves.append((found["triangles"] / 1e3, *(one["seconds"] for one in shown)))
         parts.say(f"{triangles} triangles: {base['seconds']:.2f} s against {shown[1]['seconds']:.3f} s\n")
-    head = ["triangles", "baseline s", "neighbors", *head_of(*labels)]
-    out.table("Detail", head + [f"{label}{stage} ms" for label in ("", "CPU, fine: ") for stage in STAGES], rows)
+    head = ["triangles", "baseline s", "neighbors", *head_of("fewest", "fine", "256", "Max's normals")]
+    out.table("Detail", head + [f"fine: {stage} ms" for stage in STAGES], rows)
 
     def draw(axes: object) -> None:
         x, *every = zip(*curves, strict=True)
-        names = ("baseline", "fewest samples", "256 samples", "at texels", "CPU, error below 0.1 %", "CPU, 256 samples")
-        for label, y in zip(names, every, strict=True):
+        for label, y in zip(("baseline", "error below 0.1 %", "256 samples"), every, strict=True):
             axes.loglog(x, y, marker="o", markersize=3, label=label)
         axes.set(xlabel="thousand triangles", ylabel="seconds a frame")
         axes.legend(fontsize=7)
@@ -101,49 +90,44 @@ def radius(run: parts.Run, out: page.Section) -> None:
     rows, first = [], None
     for fraction in RADII:
         found = parts.against_baseline(run, arrays, fraction)
-        shown = (found["baseline"], found["fewest"], found["at_256"], found[CPU]["fine"], found[CPU]["at_256"])
-        times = [one["seconds"] for one in shown]
+        times = [one["seconds"] for one in (found["baseline"], found["fine"], found["at_256"])]
         first = first or times
         grown = [now / then for now, then in zip(times, first, strict=True)]
-        few = [found["fewest"]["samples"], found[CPU]["fine"]["samples"]]
-        rows.append([f"{100 * fraction:g} %", *few, *times, *grown, found["at_256"]["radius_in_texels"]])
-    labels = ("baseline", "fewest", "256", "CPU, fine", "CPU, 256")
-    head = ["r", "fewest samples", "CPU, fine samples"]
-    head += [f"{label} {unit}" for unit in ("s", "×") for label in labels]
-    out.table("Radius", [*head, "r in texels"], rows)
+        rows.append([f"{100 * fraction:g} %", found["fine"]["samples"], *times, *grown])
+    head = ["r", "fine samples", *(f"{name} {unit}" for unit in ("s", "×") for name in ("baseline", "fine", "256"))]
+    out.table("Radius", head, rows)
 
 
 def samples(run: parts.Run, out: page.Section) -> None:
-    """Measures Tables 1 and 2, and Fig. 12."""
+    """Measures Tables 1 and 2, and Fig. 12, in texture space."""
     arrays, atlas = meshes.with_charts("stanford-bunny")
     if arrays is None:
         out.lacks(atlas)
         return
     out.say(
-        "stanford-bunny, r = 2 %, mean curvature; errors against the reference at 2000 vertices. The paper's "
-        "milliseconds are those of a GTX 670."
+        "stanford-bunny, r = 2 %, mean curvature, by samples that march over seams (`affine`); errors against the "
+        "reference at 2000 vertices. The paper's milliseconds are those of a GTX 670."
     )
     path = programs.write_mesh(run.folder / "mesh", arrays)
     length = 0.02 * meshes.diagonal(arrays)
     truth = programs.object_space(run.build, path, length, points=2000, methods="reference")[1]["reference"]
-    made = {name: bench.mesh(arrays, Options())[0] for name, bench in run.engines.items()}
+    device = timing.Bench("software")
+    made, _ = device.mesh(arrays, Options())
 
-    def cells(engine: str = parts.DEVICE, **wanted: object) -> tuple[float, float, float]:
-        frame = run.engines[engine].frame(made[engine], arrays, Options(**wanted), repeats=2)
+    def cells(**wanted: object) -> tuple[float, float, float]:
+        frame = device.frame(made, arrays, Options(**wanted), repeats=2)
         error = timing.with_error(frame, truth)["error"]
         return error, milliseconds(frame["seconds_evaluate"]), milliseconds(frame["seconds"])
 
-    with made[parts.DEVICE], made[CPU]:
+    with made:
         rows = []
         for count in (8, 16, 32, 64, 100, 256, 400):
             full, adaptive = cells(samples=count), cells(samples=count, adaptive=0.05)
             texels = cells(samples=count, evaluate="texel")
-            rows.append(
-                [count, *PAPER_TABLE_1.get(count, ("", "")), *full, *adaptive, *texels, *cells(CPU, samples=count)]
-            )
+            rows.append([count, *PAPER_TABLE_1.get(count, ("", "")), *full, *adaptive, *texels])
         three = ("error %", "evaluate ms", "frame ms")
         head = ["samples", "paper, full ms", "paper, adaptive ms"]
-        head += [f"{kind}: {word}" for kind in ("full", "adaptive", "512² texels", "CPU") for word in three]
+        head += [f"{kind}: {word}" for kind in ("full", "adaptive", "512² texels") for word in three]
         out.table("Table 1 and Fig. 12, samples", head, rows)
         rows = []
         for size in (512, 1024, 2048):
@@ -154,10 +138,8 @@ def samples(run: parts.Run, out: page.Section) -> None:
         rows = []
         for texels in (256, 512, 1024):
             for count in (16, 64, 256):
-                wanted = {"evaluate": "texel", "texels": texels, "samples": count}
-                rows.append([f"{texels}²", count, *cells(**wanted), *cells(CPU, **wanted)])
-        head = ["texels", "samples", *three, *(f"CPU: {word}" for word in three)]
-        out.table("Fig. 12, texels evaluated", head, rows)
+                rows.append([f"{texels}²", count, *cells(evaluate="texel", texels=texels, samples=count)])
+        out.table("Fig. 12, texels evaluated", ["texels", "samples", *three], rows)
 
 
 def charts(run: parts.Run, out: page.Section) -> None:
@@ -166,33 +148,30 @@ def charts(run: parts.Run, out: page.Section) -> None:
         "A torus of 50 K triangles, 256 samples; `affine` and `paper` carry samples over up to eight seams. The "
         "CPU needs no chart."
     )
-    rows = []
+    rows, device = [], timing.Bench("software")
     for blocks in (1, 2, 4, 6, 10):
         arrays = parts.torus(run, 50_000, blocks)
         for fraction in (0.02, 0.08):
-            on_cpu, _ = run.engines[CPU].mesh(arrays, Options(radius=fraction))
-            mesh, once = run.device.mesh(arrays, Options(radius=fraction))
+            on_cpu, _ = run.bench.mesh(arrays, Options(radius=fraction))
+            mesh, _ = device.mesh(arrays, Options(radius=fraction))
             with mesh, on_cpu:
                 times = []
-                for relocation in ("connected", "affine", "paper"):
-                    chosen = Options(radius=fraction, relocation=relocation)
-                    frame = run.device.frame(mesh, arrays, chosen, repeats=2 if relocation == "connected" else 1)
+                for relocation in ("affine", "paper"):
+                    frame = device.frame(mesh, arrays, Options(radius=fraction, relocation=relocation), repeats=1)
                     times += [milliseconds(frame["seconds_evaluate"]), milliseconds(frame["seconds"])]
-                times.append(milliseconds(run.engines[CPU].frame(on_cpu, arrays, Options(radius=fraction))["seconds"]))
+                times.append(milliseconds(run.bench.frame(on_cpu, arrays, Options(radius=fraction))["seconds"]))
                 counts = [int(mesh.report()[name]) for name in ("charts", "seam_edges")]
-            rows.append([*counts, f"{100 * fraction:g} %", *times, once["mesh"] + once["first_frame"]])
+            rows.append([*counts, f"{100 * fraction:g} %", *times])
     head = ["charts", "seam edges", "r"]
-    head += [f"{kind}: {word}" for kind in ("connected", "affine", "paper") for word in ("evaluate ms", "frame ms")]
-    out.table("Charts", [*head, "CPU: frame ms", "preprocessing and first frame s"], rows)
+    head += [f"{kind}: {word}" for kind in ("affine", "paper") for word in ("evaluate ms", "frame ms")]
+    out.table("Charts", [*head, "CPU: frame ms"], rows)
 
 
 def models(run: parts.Run, out: page.Section) -> None:
     """Measures the average over models."""
     out.say(
         "Models as they are, and subdivided by Loop's scheme to more than 300 K triangles; r = 4 %, the fewest samples "
-        "that keep half a percent, on the CPU also a tenth. *Texels*: evaluated at so many along the map and looked up "
-        "at vertices, as the paper does; 1024 and 256 samples where fewer do not keep half a percent. The paper's "
-        "average is 49 times a baseline on four cores."
+        "that keep half a percent, and a tenth (*fine*). The paper's average is 49 times a baseline on four cores."
     )
     rows = []
     for name in MODELS:
@@ -205,23 +184,20 @@ def models(run: parts.Run, out: page.Section) -> None:
         if times > 0:
             variants.append(meshes.loop_subdivide(arrays, times))
         for variant in variants:
-            found = parts.against_baseline(run, variant, 0.04, texels=True)
-            ways = compared(found, "fewest", "at_256", "at_fewest_texels", "cpu fewest", "cpu fine", "cpu at_256")
-            rows.append(
-                [name, found["triangles"], found["baseline"]["seconds"], found["at_fewest_texels"]["texels"], *ways]
-            )
+            found = parts.against_baseline(run, variant, 0.04)
+            ways = compared(found, "fewest", "fine", "at_256")
+            rows.append([name, found["triangles"], found["baseline"]["seconds"], *ways])
     if not rows:
         return
-    head = ["model", "triangles", "baseline s", "texels"]
-    head += head_of("fewest", "256", "texels", "CPU, fewest", "CPU, fine", "CPU, 256")
+    head = ["model", "triangles", "baseline s", *head_of("fewest", "fine", "256")]
     columns = [column for column, name in enumerate(head) if name.endswith(("error %", "times faster"))]
-    measured, means = run.measured.setdefault("models", {CPU: {}}), []
+    measured, means = run.measured.setdefault("models", {}), []
     for label, big in (("as they are", False), ("subdivided", True)):
         chosen = [row for row in rows if (row[1] > run.scale * 3e5) == big]
         if chosen:
             mean = {column: float(np.mean([row[column] for row in chosen])) for column in columns}
             means.append([f"mean, {label}", *(mean.get(column, "") for column in range(1, len(head)))])
-            measured[CPU][label] = mean[head.index("CPU, fine: times faster")]
+            measured[label] = mean[head.index("fine: times faster")]
     out.table("Models", head, [*rows, *means])
 
 

@@ -10,32 +10,24 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from figures import ALLOWED_ERROR
 
-from paradesc import bridge
 from paradesc.bridge import Context, Mesh, MeshArrays, Options, ParadescError
 from paradesc.core import compare
 from paradesc.core.job import registry_row
 
 NAME = "mean_curvature"
-STAGES = ("prepare", "bake", "evaluate", "total")
+STAGES = ("prepare", "evaluate", "total")
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
-SMALLER = (256, 512)  # texels along buffers that may be enough
-TEXELS = (128, 256, 512, 1024)  # texels along maps that may be enough
 FIRST_FRAMES = 3  # of meshes made anew, if each takes no more than so many seconds
 LONG = 4.0
 LATER_BAKES = 4
-MOST_OF_SMALLER = 48  # most samples tried with these: a neighborhood has hardly more texels there
 
 
 class Bench:
     """An engine that is warmed up: its programs are compiled and its threads exist."""
 
-    def __init__(self, backend: str = "auto", threads: int = 0) -> None:
-        from bench import open_device
-
-        self.context = open_device(threads) if backend == "auto" else Context(backend, threads=threads)
-        self.texture_space = bridge.uses_texture_space(self.context.backend)
+    def __init__(self, backend: str = "cpu", threads: int = 0) -> None:
+        self.context = Context(backend, threads=threads)
         self._warm: set[tuple] = set()
 
     def warm(self, names: tuple[str, ...], options: Options) -> None:
@@ -80,22 +72,10 @@ class Bench:
         return best
 
     def cheapest(self, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object, allowed: float) -> Options:
-        """The smallest buffers, and then the fewest samples, whose mean error in percent at some vertices (Values) is
-        small enough."""
-        sizes = [size for size in SMALLER if self.texture_space and size < options.buffer_size]
-        fewer = [samples for samples in FEWEST if samples <= MOST_OF_SMALLER]
-        tries = [replace(options, buffer_size=size, samples=samples) for size in sizes for samples in fewer]
-        tries += [replace(options, samples=samples) for samples in FEWEST]
+        """The fewest samples whose mean error in percent at some vertices (Values) is small enough."""
+        tries = [replace(options, samples=samples) for samples in FEWEST]
         good = (tried for tried in tries[:-1] if error_of(mesh, arrays, tried, truth) <= allowed)
         return next(good, tries[-1])
-
-    def cheapest_texels(self, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
-        """The same at the texels of the smallest map that is good enough; of the largest if none is."""
-        for size in TEXELS:
-            tried = replace(options, evaluate="texel", texels=size)
-            if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
-                return self.cheapest(mesh, arrays, tried, truth, ALLOWED_ERROR)
-        return replace(tried, samples=FEWEST[-1])
 
 
 def positions_of(arrays: MeshArrays, turn: int) -> np.ndarray:
@@ -172,29 +152,26 @@ def resident() -> int:
     return status_bytes("VmRSS")
 
 
-def measure_memory(backend: str, triangles: int) -> dict[str, float]:
+def measure_memory(triangles: int) -> dict[str, float]:
     """Bytes that a mesh and one frame add at most to a process that has its arrays and an engine."""
     import surfaces
 
     arrays = surfaces.torus(triangles // 2, charts=2).arrays
-    bench = Bench(backend)
-    # Without texture space the samples are those of the surface, and a part of what is measured.
-    options = Options(samples=16) if bench.texture_space else Options()
+    bench, options = Bench(), Options()
     bench.warm((NAME,), options)
     before = resident()
     with bench.context.mesh(arrays) as mesh:
         created = status_bytes("VmHWM")
-        frame = timed(mesh, arrays.positions, (NAME,), options)
+        timed(mesh, arrays.positions, (NAME,), options)
     parts = (arrays.positions, arrays.corner_vertices, arrays.triangle_corners, arrays.corner_uvs)
     return {
         "input_bytes": sum(part.nbytes for part in parts),
         "mesh_bytes": created - before,
         "peak_bytes": status_bytes("VmHWM") - before,
-        "buffer_bytes": 1e6 * frame["buffer_megabytes"],
     }
 
 
-def measure_first_bake(backend: str, triangles: int) -> dict[str, float]:
+def measure_first_bake(triangles: int) -> dict[str, float]:
     """Seconds from arrays to values: the first time in a process, library and engine included, and later."""
     import surfaces
 
@@ -202,7 +179,7 @@ def measure_first_bake(backend: str, triangles: int) -> dict[str, float]:
     taken = []
     for _ in range(LATER_BAKES + 1):
         start = time.perf_counter()
-        with Bench(backend).context as context, context.mesh(arrays) as mesh:
+        with Bench().context as context, context.mesh(arrays) as mesh:
             timed(mesh, arrays.positions, (NAME,), Options())
         taken.append(time.perf_counter() - start)
     return {"first": taken[0], "later": min(taken[1:])}
@@ -211,9 +188,9 @@ def measure_first_bake(backend: str, triangles: int) -> dict[str, float]:
 MEASURES = {"memory": measure_memory, "first_bake": measure_first_bake}
 
 
-def in_a_process_of_its_own(measure: str, backend: str, triangles: int) -> dict[str, float]:
+def in_a_process_of_its_own(measure: str, triangles: int) -> dict[str, float]:
     """Runs one of MEASURES there."""
-    words = [sys.executable, __file__, measure, backend, str(triangles)]
+    words = [sys.executable, __file__, measure, str(triangles)]
     paths = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": paths})
     if done.returncode:
@@ -222,4 +199,4 @@ def in_a_process_of_its_own(measure: str, backend: str, triangles: int) -> dict[
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(MEASURES[sys.argv[1]](sys.argv[2], int(sys.argv[3]))) + "\n")
+    sys.stdout.write(json.dumps(MEASURES[sys.argv[1]](int(sys.argv[2]))) + "\n")

@@ -28,7 +28,7 @@ protected:
   void SetUp() override {
     std::string why_not;
     if (!test::open_context(GetParam(), why_not)) GTEST_SKIP() << why_not;
-    // Many charts, an open border of needles and slivers, and faces that smaller texels would carry.
+    // Many charts, and an open border of needles and slivers.
     mesh = test::saddle(1, {.vertices = 300});
     test::lay_out(mesh, {.charts = 15});
     settings = {.radius = 0.06, .samples = 32, .buffer_size = 256, .texels = 64, .map_sigma = 0.5};
@@ -109,9 +109,9 @@ TEST_P(Determinism, integrals_over_adaptive_samples_have_the_same_bits_at_all_we
   expect_one_result();
 }
 
-TEST_P(Determinism, samples_that_march_have_the_same_bits) {
+TEST_P(Determinism, the_papers_way_over_seams_has_the_same_bits) {
   if (GetParam() != test::device_backend()) GTEST_SKIP() << "samples march in texture space";
-  settings.relocation = PDESC_RELOCATION_AFFINE;
+  settings.relocation = PDESC_RELOCATION_PAPER;
   settings.max_jumps = 2;
   expect_one_result();
 }
@@ -123,7 +123,7 @@ TEST_P(Determinism, a_mesh_computes_the_same_bits_again) {
   pdesc_options options = test::options_of(settings);
   const auto go = [&] { return compute(*native, options, rows, [](const char *, double) { return true; }); };
   const Field first = go();
-  options.radius = 0.2; // other cells in between
+  options.radius = 0.2; // another one in between
   go();
   options.radius = settings.radius;
   expect_same(first, go());

@@ -1,5 +1,4 @@
-// Sheets near each other that are one surface elsewhere: at the texels of a map, where cells alone decide what is connected,
-// without the search among triangles that vertices have besides.
+// Sheets near each other that are one surface elsewhere, by the engine on the CPU.
 #include <cmath>
 #include <functional>
 #include <iostream>
@@ -20,16 +19,15 @@ class NearSheets : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    context = open_context(device_backend(), why_not);
-    if (!context) GTEST_SKIP() << why_not;
+    context = open_context(PDESC_BACKEND_CPU, why_not);
+    ASSERT_TRUE(context);
   }
 
   // Expects that vertices for which chosen(vertex) is true, and which no boundary is near, have the oracle's area: that of a
   // disk, but for half a per cent that facets of a ramp leave.
   void expect_the_oracles_areas(const TestMesh &mesh, double radius, const std::function<bool(size_t)> &chosen) {
     const std::string area = "euclidean_area";
-    const Settings settings{
-        .radius = radius, .radius_unit = PDESC_RADIUS_ABSOLUTE, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 256};
+    const Settings settings{.radius = radius, .radius_unit = PDESC_RADIUS_ABSOLUTE};
     const Results found = compute(context.get(), mesh, settings, std::span(&area, 1));
     std::vector<int32_t> vertices;
     for (size_t v = 0; v < mesh.points.size(); v += 4) // some hundred
@@ -87,8 +85,7 @@ TEST_F(NearSheets, floors_that_only_just_reach_into_a_ball_are_not_seen_in_it) {
   });
 }
 
-// Two leaves that are connected around a bend between one and two radii away. The bend runs across the axes: a box around the
-// texels where cells go over reaches into balls that hold none of these texels.
+// Two leaves that are connected around a bend between one and two radii away, which runs across the axes.
 TEST_F(NearSheets, leaves_that_meet_beyond_the_ball_do_not_see_each_other) {
   constexpr double bend = 0.015, radius = 0.1;
   TestMesh sheet = plane(1.2, 0.8, {.vertices = 12000, .irregular = false});

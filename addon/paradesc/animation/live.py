@@ -347,7 +347,6 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
         settings.options,
         samples=min(settings.options.samples, group.samples),
         buffer_size=min(settings.options.buffer_size, group.buffer_size),
-        relocation="affine" if group.fast_seams else settings.options.relocation,
     )
     return replace(settings, options=options)
 

@@ -68,13 +68,6 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         subtype="PIXEL",
         update=settings_changed,
     )
-    fast_seams: bpy.props.BoolProperty(
-        name="Fast over Seams",
-        description="Carry every sample over seams by itself in the viewport, less exactly than to take what is "
-        "connected. Faster where the surface often lies close to itself, as fingers, folds and scales do",
-        default=False,
-        update=settings_changed,
-    )
     full_render: bpy.props.BoolProperty(
         name="Full Quality in Renders",
         description="Render with the settings of Quality and Method instead of these",

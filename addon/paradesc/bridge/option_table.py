@@ -157,9 +157,9 @@ TABLE = (
     ),
     Row(
         "relocation", "method", "connected", "relocation", "Over Seams", "How neighborhoods go on over seams",
-        "over seams: by connected cells (default), each sample by affine maps, or as the paper does",
+        "over seams: what is connected (default; in texture space by affine maps), each sample by affine maps, or as the paper does",
         choices=(
-            ("connected", "Connected", "Take what is connected to the vertex; exact over any seams"),
+            ("connected", "Connected", "Take what is connected to the vertex; in texture space the same as Affine"),
             ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
             ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
         ),

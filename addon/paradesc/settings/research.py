@@ -18,7 +18,7 @@ RESEARCH = {
     ),
     "paradesc_looks": ("symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
     "paradesc_animation": ("frame_source", "relative_to_rest"),
-    "paradesc_live": ("samples", "buffer_size", "fast_seams", "full_render", "missing"),
+    "paradesc_live": ("samples", "buffer_size", "full_render", "missing"),
 }
 # These settings have an effect only while another one is on.
 PARTS = {

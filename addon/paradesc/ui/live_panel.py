@@ -35,7 +35,7 @@ class PARADESC_PT_live(SettingsPanel, bpy.types.Panel):
         if mode == "CACHE":
             setting(layout, group, "missing")
         if mode != "CACHE" or group.missing == "COMPUTE":
-            for name in ("samples", "buffer_size", "fast_seams", "full_render"):
+            for name in ("samples", "buffer_size", "full_render"):
                 setting(layout, group, name)
         if mode != "CACHE":
             setting(layout, group, "wait")

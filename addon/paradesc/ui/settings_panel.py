@@ -13,7 +13,7 @@ from .drawing import SettingsPanel, choice, setting
 # Backends with baked buffers, whose size is a setting.
 WITH_BUFFERS = {"gpu", "software"}
 # Settings without effect unless samples are carried over seams.
-CARRIED = {"max_jumps", "pattern", "ellipse", "geodesic"}
+CARRIED = {"max_jumps", "pattern", "ellipse"}
 # Operators that have Gaussian windows over their map.
 WINDOWED = {"difference_of_gaussians", "harris"}
 
@@ -123,9 +123,11 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
 
     def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws estimators, distance and evaluation; settings without effect under the present choices are grey."""
+        by_choice = settings.relocation != "connected"
+        carried = by_choice or settings.backend in WITH_BUFFERS
         for name in members.options("method"):
             row = layout.row()
-            row.active = name not in CARRIED or settings.relocation != "connected"
+            row.active = carried if name in CARRIED else by_choice or name != "geodesic"
             setting(row, settings, name)
 
 

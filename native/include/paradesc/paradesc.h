@@ -109,8 +109,8 @@ typedef enum pdesc_radius_unit {
 } pdesc_radius_unit;
 
 typedef enum pdesc_relocation {
-  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found across links between
-                                     cells of the buffer; the same texels for every vertex */
+  PDESC_RELOCATION_CONNECTED = 0, /* what is connected to the vertex within the ball, as CPU and REFERENCE find it; GPU and SOFTWARE
+                                     know nothing like it and compute with AFFINE */
   PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern is carried across seams by itself (paper 3.4, with the affine map of
                                      each seam edge in place of eq. 2 and 3) */
   PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, around the center
@@ -312,16 +312,16 @@ typedef struct pdesc_options {
   int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. CPU takes fewer pieces, cut exactly. Not used by REFERENCE */
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
   int32_t normals;      /* pdesc_normals; default FITTED */
-  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
-  uint32_t seed;        /* of the choice of samples, of which the connected relocation has eight; default 0. Not used by CPU */
+  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used in texture space only; the paper: 1 */
+  uint32_t seed;        /* of the places of samples; default 0. Used in texture space only */
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
-  int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
+  int32_t relocation;   /* pdesc_relocation; default CONNECTED, which GPU and SOFTWARE compute as AFFINE. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
   int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Used where samples are points: not by CPU and REFERENCE */
   int32_t geodesic;     /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
   int32_t distance;     /* pdesc_distance; default EUCLIDEAN */
-  int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */
-  int32_t ellipse;      /* pdesc_ellipse; default CENTER. Used by AFFINE and PAPER relocation only */
+  int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used in texture space only */
+  int32_t ellipse;      /* pdesc_ellipse; default CENTER. Used in texture space only */
   int32_t evaluate;     /* pdesc_evaluate; default VERTEX. Not used by REFERENCE */
   int32_t texels;       /* along a side of the map of TEXEL evaluation, 16 to 8192; default 512 */
   int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE, nor while a surface map is set (full) */

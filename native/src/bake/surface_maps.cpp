@@ -249,14 +249,6 @@ DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triang
     result.normal.push_back(Text().unit_or(sum[point], normals.point[point]));
   }
   result.shrinkage = percentile_99(shrinkage);
-  result.triangles = triangles;
-  for (size_t vertex = 0; vertex < triangles.positions.size(); ++vertex) {
-    checkpoint_at(vertex);
-    const int32_t point = half_edges.vertex_point[vertex];
-    if (point < 0) continue;
-    const vec3 position = result.position[point];
-    result.triangles.positions[vertex] = vec3(dvec3(position) / bake_space.scale + bake_space.center);
-  }
   return result;
 }
 

@@ -78,7 +78,6 @@ vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t cor
 struct DisplacedPoints {
   std::vector<vec3> position; // (point_count) buffer units
   std::vector<vec3> normal;   // (point_count) unit
-  Triangles triangles;        // with displaced vertices
   float shrinkage = 1.0f;     // ratio of lengths on the base to the displaced surface, 99th percentile over corners; 1 to 4
 };
 

@@ -49,7 +49,7 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
         "that is much of the surface.");
   if (mesh.atlases.current().charts.zero_uv_area_triangles > 0)
     add(std::to_string(mesh.atlases.current().charts.zero_uv_area_triangles) +
-        " triangles have next to no area in the UV map; each counts by samples of its own, less finely than texels would.");
+        " triangles have next to no area in the UV map; samples are not carried over them, and what lies there is not found.");
   if (report.low_coverage_vertices > 0)
     add("At " + std::to_string(report.low_coverage_vertices) +
         " vertices more than a tenth of the neighborhood was not found in the UV map.");

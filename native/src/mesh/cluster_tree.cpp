@@ -127,24 +127,6 @@ struct Members {
 
 } // namespace
 
-static ClusterGraph graph_of_triangles(const HalfEdges &half_edges, const std::vector<int32_t> &triangles,
-                                       const std::vector<int32_t> &rank) {
-  ClusterGraph graph;
-  graph.begin.reserve(triangles.size() + 1);
-  graph.link.reserve(3 * triangles.size());
-  for (const int32_t triangle : triangles) {
-    checkpoint_at(graph.begin.size());
-    for (int32_t half_edge = 3 * triangle; half_edge < 3 * triangle + 3; ++half_edge) {
-      const int32_t twin = half_edges.twin[half_edge];
-      if (twin >= 0 && twin / 3 != triangle) graph.link.push_back({rank[twin / 3], 1});
-    }
-    graph.begin.push_back(static_cast<int32_t>(graph.link.size()));
-  }
-  graph.perimeter.assign(triangles.size(), 3);
-  graph.items.assign(triangles.size(), 1);
-  return graph;
-}
-
 static ClusterGraph coarsen(const ClusterGraph &graph, const std::vector<int32_t> &parent, const Matching &matching) {
   const Members members(parent, matching.count());
   ClusterGraph coarse;
@@ -217,19 +199,6 @@ static void build_levels(ClusterGraph graph, ClusterTree &tree) {
   }
   put_in_order(parents, sizes, tree);
   for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
-}
-
-ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
-  ClusterTree tree;
-  tree.rank.assign(half_edges.corner_point.size() / 3, -1);
-  for (size_t t = 0; t < tree.rank.size(); ++t) {
-    checkpoint_at(t);
-    if (half_edges.corner_point[3 * t] < 0) continue;
-    tree.rank[t] = static_cast<int32_t>(tree.item.size());
-    tree.item.push_back(static_cast<int32_t>(t));
-  }
-  build_levels(graph_of_triangles(half_edges, tree.item, tree.rank), tree);
-  return tree;
 }
 
 // A point's faces are one fan: turning around it meets its neighbors one after the other.

@@ -11,19 +11,17 @@
 
 namespace paradesc {
 
-// Level 0 has one cluster for each triangle that is not left out, or for each point. The clusters of a level stand in the order
-// of these items, so that each cluster is a range of every level below it.
+// Level 0 has one cluster for each point. The clusters of a level stand in the order of these items, so that each cluster is a
+// range of every level below it.
 struct ClusterTree {
   static constexpr size_t max_children = 3;
-  std::vector<int32_t> item;                     // of level 0: triangles or points
-  std::vector<int32_t> rank;                     // (triangle_count or point_count) its index in there; -1: left out
+  std::vector<int32_t> item;                     // the points of level 0
+  std::vector<int32_t> rank;                     // (point_count) the index of each in there
   std::vector<std::vector<int32_t>> child_begin; // [level - 1](clusters + 1) into the level below
 
   size_t levels() const { return child_begin.size() + 1; }
   size_t size(size_t level) const { return level == 0 ? item.size() : child_begin[level - 1].size() - 1; }
 };
-
-ClusterTree build_cluster_tree(const HalfEdges &half_edges);
 
 // The points that share an edge with each.
 struct PointNeighbors {

@@ -52,22 +52,6 @@ inline std::shared_ptr<paradesc::Context> open_device(const DriverSubstitute &dr
   return make_context(requested, driver);
 }
 
-// A device that takes no longer lists than that in a buffer texture. Functions of C have no state of their own.
-inline PFNGLGETINTEGERVPROC real_integer = nullptr;
-inline GLint longest_list = 0;
-inline void APIENTRY integer_of_short_lists(GLenum name, GLint *value) {
-  real_integer(name, value);
-  if (name == GL_MAX_TEXTURE_BUFFER_SIZE) *value = longest_list;
-}
-inline DriverSubstitute with_short_lists(GLint texels) {
-  longest_list = texels;
-  return [](const char *name, void *driver) {
-    if (std::string(name) != "glGetIntegerv") return driver;
-    real_integer = reinterpret_cast<PFNGLGETINTEGERVPROC>(driver);
-    return reinterpret_cast<void *>(&integer_of_short_lists);
-  };
-}
-
 // Refused by name with this word in the sentence; under AUTO, which needs no device, it goes unnoticed.
 inline void expect_refused(const DriverSubstitute &failing, const char *word) {
   try {

@@ -83,9 +83,6 @@ struct Job {
   // The default, connected, is beyond samples that march; affine stands for it.
   bool paper() const { return request.options.relocation == PDESC_RELOCATION_PAPER; }
   const Charts &charts() const { return surface.atlases.current().charts; }
-  const Triangles &triangles(const Frame &frame) const { // as measured
-    return frame.displaced ? frame.displaced->triangles : surface.triangles;
-  }
 };
 
 class TextureSpace final : public Session {
