@@ -69,14 +69,10 @@
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // the most charts, each entered by one seam, on which a center's pattern is repeated
 
-// The control variate fades out where the second moments of a neighborhood deviate from a flat disk's by more than this share.
-#define DISK_DEVIATION 0.1
-
 // Rows of the results that precede those of the descriptors.
 #define ROW_COVERAGE 0
 #define ROW_FLAGS 1
-#define ROW_AREA 2
-#define ROW_DESCRIPTORS 3
+#define ROW_DESCRIPTORS 2
 
 // Bits of a center's flags, stored as an integer among the results' floats.
 #define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood

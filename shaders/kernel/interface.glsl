@@ -62,9 +62,7 @@ struct Neighborhood {
   vec2 eigenvalues;   // of S, the larger first; NaN where it cannot be fitted
   vec3 direction_max; // unit tangents for these eigenvalues
   vec3 direction_min;
-  float deviation;    // relative deviation of the second moments from those of a flat disk
-  float tolerance;    // tolerance of that deviation
-  float variate;      // weight of S as control variate: 1 on a full disk, 0 if the neighborhood hits the boundary or is ambiguous
+  float variate;      // weight of S as control variate: 1 on a full disk, 0 if the neighborhood hits the boundary or is no disk
   float mean;         // H, K, k1 >= k2 by the requested estimator
   float gauss;
   float k1;

@@ -19,6 +19,9 @@
 #define JET_LEAST_PLANE 1e-4
 #define JET_LEAST_QUADRATIC 1e-10
 
+// The control variate fades out where the second moments of a neighborhood deviate from a flat disk's by more than this share.
+#define DISK_DEVIATION 0.1
+
 // Curvature passes over to that of the solid as a crease comes nearer than this many radii, and is the solid's once the crease
 // meets the ball.
 #define CREASE_REACH 1.25

@@ -236,8 +236,6 @@ Neighborhood unfitted_neighborhood(float area, float scale) {
   neighborhood.eigenvalues = vec2(NOT_A_NUMBER);
   neighborhood.direction_max = vec3(NOT_A_NUMBER);
   neighborhood.direction_min = vec3(NOT_A_NUMBER);
-  neighborhood.deviation = 1.0f;
-  neighborhood.tolerance = float(DISK_DEVIATION);
   neighborhood.variate = 0.0f;
   neighborhood.mean = NOT_A_NUMBER;
   neighborhood.gauss = NOT_A_NUMBER;
@@ -276,11 +274,8 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
     // The control variate's exact mean holds for a full flat disk, whose second moments are pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
-    neighborhood.deviation = max(max(off.x, off.z), off.y);
-    neighborhood.tolerance = disk_tolerance(m);
-    neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f
-                                                  : params.variate_share * (1.0f - smoothstep(neighborhood.tolerance, 3.0f * neighborhood.tolerance,
-                                                                                              neighborhood.deviation));
+    float deviation = max(max(off.x, off.z), off.y), tolerance = disk_tolerance(m);
+    neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f : params.variate_share * (1.0f - smoothstep(tolerance, 3.0f * tolerance, deviation));
   }
   find_curvatures(sums, neighborhood);
   return neighborhood;

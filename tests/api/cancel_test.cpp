@@ -97,7 +97,7 @@ TEST(Checkpoint, comes_once_in_so_many_steps_of_every_stage_of_a_large_mesh) {
   EXPECT_GE(checkpoints_of([&] { triangles = read_triangles(input); }), 3 * corners);
   EXPECT_GE(checkpoints_of([&] { half_edges = build_half_edges(triangles, 1); }), 10 * corners);
   EXPECT_GE(checkpoints_of([&] { build_charts(triangles, half_edges, {}, 1); }), 20 * corners);
-  EXPECT_GE(checkpoints_of([&] { build_point_tree(find_point_neighbors(half_edges)); }), 8 * corners);
+  EXPECT_GE(checkpoints_of([&] { build_point_tree(find_point_neighbors(half_edges)); }), 6 * corners);
   const int of_faces = input.triangle_count / 1024; // whose normals and bends are looked at
   EXPECT_GE(checkpoints_of([&] { creases = creases_of(triangles, half_edges, 1); }), 2 * of_faces);
   Triangles hard = box(110); // with creases that stand out, and all edges marked

@@ -79,8 +79,8 @@ TEST_F(Maps, texels_of_a_sphere_have_its_curvature_and_so_have_vertices) {
   TestMesh mesh = sphere(2, {.vertices = 2000});
   lay_out(mesh, {.charts = 12});
   const Mesh created = make_mesh(software.get(), mesh);
-  const Field field = compute_field(
-      created.get(), {.radius = 0.05, .buffer_size = 512, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 100});
+  const Field field =
+      compute_field(created.get(), {.radius = 0.05, .buffer_size = 512, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 100});
   ASSERT_EQ(pdesc_field_map_size(field.get()), 100);
   const std::vector<float> map = map_of(field.get(), "mean_curvature"), coverage = map_of(field.get(), "coverage");
   int centers = 0;

@@ -22,8 +22,7 @@ protected:
   Context context;
   std::vector<std::string> names;
 };
-INSTANTIATE_TEST_SUITE_P(, HalfPrecision,
-                         ::testing::Values(int32_t{PDESC_RELOCATION_AFFINE}, int32_t{PDESC_RELOCATION_PAPER}));
+INSTANTIATE_TEST_SUITE_P(, HalfPrecision, ::testing::Values(int32_t{PDESC_RELOCATION_AFFINE}, int32_t{PDESC_RELOCATION_PAPER}));
 
 // At 1 % of the diagonal 11 bits of a position are a twentieth of the radius, and what they leave is needed; 16 bits are 0.1 % of
 // it.

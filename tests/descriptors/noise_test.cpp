@@ -1,5 +1,5 @@
-// Noisy positions and normals: the engine on the CPU against the reference on the same noisy mesh, and what a larger radius does to
-// noise.
+// Noisy positions and normals: the engine on the CPU against the reference on the same noisy mesh, and what a larger radius does
+// to noise.
 #include <cmath>
 #include <iomanip>
 #include <iostream>

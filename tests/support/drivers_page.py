@@ -14,7 +14,6 @@ def lines_of_file(path):
     file = re.findall(r"^// 0: (.*)", text, re.MULTILINE)[-1]
     variants = set(re.findall(r"^#define (\w+) 1$", text, re.MULTILINE))
     variants |= {"HALF_FLOATS"} & set(re.findall(r"^#define (\w+)$", text, re.MULTILINE))
-    variants |= {f"{patches} patches" for patches in re.findall(r"^#define FLOOD_PATCHES (\d+)$", text, re.MULTILINE)}
     stored = tuple(re.findall(r"(\w+)\(sums\.terms, sums\.center, neighborhood\)", text))
     group = next(iter(re.findall(r"^#define GROUP_SIZE (\d+)", text, re.MULTILINE)), "")
     return file, frozenset(variants), stored, group
@@ -23,8 +22,7 @@ def lines_of_file(path):
 def name_of(file, variants, stored):
     """What a program is called in the table, or nothing if it has no row there."""
     if file != EVALUATE:
-        own = ["16 bits" for _ in {"HALF_FLOATS"} & variants] + [word for word in variants if word.endswith(" patches")]
-        return ", ".join([file.removeprefix("opengl/"), *own])
+        return ", ".join([file.removeprefix("opengl/"), *("16 bits" for _ in {"HALF_FLOATS"} & variants)])
     if variants & {"INTEGRAL", "GEODESIC_BALL", "ADAPTIVE", "HALF_FLOATS", "CHORDS", "DIRECTIONAL"}:
         return ""
     if len(stored) > 1:
@@ -34,11 +32,7 @@ def name_of(file, variants, stored):
         what = stored[0].replace("_", " ")
     else:
         return ""
-    how = "affine" if "AFFINE" in variants else "paper" if "PAPER" in variants else "connected"
-    extra = [word for flag, word in (("LISTED", "points listed"), ("EXACT", "again, exactly")) if flag in variants]
-    if how == "connected" and "TEXELLESS" in variants:
-        extra.append("triangles without texels")
-    return ", ".join([f"{what}, {how}", *extra])
+    return f"{what}, {'paper' if 'PAPER' in variants else 'affine'}"
 
 
 def registers_of(text, folder):

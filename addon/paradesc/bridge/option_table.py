@@ -157,7 +157,7 @@ TABLE = (
     ),
     Row(
         "relocation", "method", "connected", "relocation", "Over Seams", "How neighborhoods go on over seams",
-        "over seams: what is connected (default; in texture space by affine maps), each sample by affine maps, or as the paper does",
+        "over seams: what is connected (default), each sample by affine maps, or as the paper does",
         choices=(
             ("connected", "Connected", "Take what is connected to the vertex; in texture space the same as Affine"),
             ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),

@@ -1,7 +1,6 @@
 // Builds the tree level by level: each cluster joins the neighbor with which the union is roundest, measured in edges.
 #include "mesh/cluster_tree.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <numeric>

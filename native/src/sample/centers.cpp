@@ -2,7 +2,6 @@
 #include "sample/centers.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sample/pattern.h"
 #include "support/cancel.h"

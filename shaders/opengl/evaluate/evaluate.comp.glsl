@@ -92,6 +92,5 @@ void main() {
   uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u);
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
   results[ROW_FLAGS * params.total + index] = flags;
-  results[ROW_AREA * params.total + index] = floatBitsToUint(neighborhood.area);
   STORE_DESCRIPTORS
 }

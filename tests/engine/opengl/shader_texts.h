@@ -93,12 +93,8 @@ protected:
 
 // One after the other, what differs from the first.
 inline std::vector<Settings> all_settings() {
-  Settings plain{.radius = 0.08,
-                 .samples = 16,
-                 .buffer_size = 128,
-                 .relocation = PDESC_RELOCATION_AFFINE,
-                 .texels = 16,
-                 .map_sigma = 0.5};
+  Settings plain{
+      .radius = 0.08, .samples = 16, .buffer_size = 128, .relocation = PDESC_RELOCATION_AFFINE, .texels = 16, .map_sigma = 0.5};
   std::vector<Settings> all = {plain};
   auto vary = [&](auto member, auto value) {
     all.push_back(plain);
@@ -170,8 +166,7 @@ inline std::vector<std::vector<int>> rows_of_passes() {
 inline std::vector<Variant> all_variants() {
   std::vector<Variant> all(1);
   multiply(all, &Variant::rows, rows_of_passes());
-  multiply(all, &Variant::estimator,
-           {PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL, PDESC_ESTIMATOR_EXTRAPOLATED});
+  multiply(all, &Variant::estimator, {PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL, PDESC_ESTIMATOR_EXTRAPOLATED});
   multiply(all, &Variant::geodesic_ball, {false, true});
   multiply(all, &Variant::adaptive, {0.0f, 0.1f});
   multiply(all, &Variant::half, {false, true});

@@ -1,6 +1,5 @@
 // Surface and atlas → buffers on the device: the owner of each texel (a layout), and the point of the surface there (a frame).
 #include <algorithm>
-#include <cmath>
 
 #include "bake/seam_links.h"
 #include "engine/opengl/texture_space.h"

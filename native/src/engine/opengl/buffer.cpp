@@ -73,8 +73,7 @@ void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t
 
 void BufferTexture::check_texels(const Gl &gl, size_t texels) {
   if (texels > static_cast<size_t>(gl.limits.list_texels))
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" +
-                                             std::to_string(texels) +
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" + std::to_string(texels) +
                                              " list elements); use the reference backend.");
 }
 

@@ -1,5 +1,4 @@
 // Centers → descriptors, in tiles between which a computation can be cancelled.
-#include <algorithm>
 #include <cmath>
 
 #include "descriptor/registry.h"
@@ -8,8 +7,8 @@
 
 namespace paradesc {
 
-// The number of samples that march in one dispatch. llvmpipe ends an invocation's loops after 65535 iterations (shared.h),
-// counted over the eight invocations of one vector together.
+// The number of samples that march in one dispatch. llvmpipe silently ends an invocation's loops after 65535 iterations (Mesa's
+// LP_MAX_TGSI_LOOP_ITERATIONS), counted over the eight invocations of one vector together.
 static int samples_at_once(bool software, bool paper, const pdesc_options &options) {
   if (!software) return options.samples;
   const int samples = paper ? 8 : 64; // each marches up to MAX_VISITS steps
@@ -106,8 +105,7 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
     const auto width = static_cast<size_t>(descriptor.components);
     results.values[k].resize(count * width);
     for (size_t component = 0; component < width; ++component, ++row)
-      for (size_t i = 0; i < count; ++i)
-        results.values[k][i * width + component] = in_unit(rows_[row * count + i], unit);
+      for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = in_unit(rows_[row * count + i], unit);
   }
   return results;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 
 #include "descriptor/registry.h"
@@ -64,15 +63,15 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   visits_.reserve(gl, settings.paper ? centers_side_by_side(gl, settings) * MAX_VISITS * sizeof(VisitData) : 0);
   stretches_.reserve(gl, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0);
   // Starts with NaN everywhere: a center that a driver skips must not look like a result.
-  results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
-                  result_values(settings, count_), GL_STREAM_READ);
+  results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()), result_values(settings, count_),
+                  GL_STREAM_READ);
   check_gl(gl, "room for results");
 }
 
 // These choices are made at compile time, so that untaken branches cost nothing.
 static std::string variant_of(const EvaluateSettings &settings, const char *buffer_variant) {
-  return define("PAPER", settings.paper) + define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
-         define("INTEGRAL", settings.estimator == PDESC_ESTIMATOR_INTEGRAL) +
+  return define("PAPER", settings.paper) + define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) +
+         define("CHORDS", settings.chords) + define("INTEGRAL", settings.estimator == PDESC_ESTIMATOR_INTEGRAL) +
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) + buffer_variant;

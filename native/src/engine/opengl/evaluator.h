@@ -3,8 +3,6 @@
 
 #include <bit>
 #include <span>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/opengl/geometry_buffer.h"
@@ -23,21 +21,21 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;                                // pdesc_pattern
-  int ellipse;                                // pdesc_ellipse
-  int samples_at_once;                        // samples that march in one dispatch
-  bool chords;                                // distances along the surface are sums of chords
-  float radius;                               // in buffer units
-  float enlargement;                          // of the sampling ellipse over the radius
-  bool paper;                                 // the whole pattern again on each chart; else each sample by itself (affine)
-  int estimator;                              // pdesc_estimator of the curvatures
-  bool use_control_variate;                   // subtracts the part of the samples' noise that the shape operator explains
-  bool geodesic_ball;                         // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;                             // 0: all samples everywhere
-  bool displaced = false;                     // the surface is displaced, so its faces differ from the mesh's
-  const MapBuffer *map = nullptr;             // read by operators
-  float map_radius = 0;                       // radius at which the map was computed, in buffer units
-  float map_sigma = 0;                        // sigma of the operators' Gaussian windows, in buffer units
+  int pattern;                    // pdesc_pattern
+  int ellipse;                    // pdesc_ellipse
+  int samples_at_once;            // samples that march in one dispatch
+  bool chords;                    // distances along the surface are sums of chords
+  float radius;                   // in buffer units
+  float enlargement;              // of the sampling ellipse over the radius
+  bool paper;                     // the whole pattern again on each chart; else each sample by itself (affine)
+  int estimator;                  // pdesc_estimator of the curvatures
+  bool use_control_variate;       // subtracts the part of the samples' noise that the shape operator explains
+  bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                 // 0: all samples everywhere
+  bool displaced = false;         // the surface is displaced, so its faces differ from the mesh's
+  const MapBuffer *map = nullptr; // read by operators
+  float map_radius = 0;           // radius at which the map was computed, in buffer units
+  float map_sigma = 0;            // sigma of the operators' Gaussian windows, in buffer units
   float harris_k = 0;
 
   // The most centers of one dispatch: each keeps one or two kilobytes between dispatches, and in the paper's way its visits.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "bake/seam_links.h"
 #include "engine/opengl/dispatch.h"

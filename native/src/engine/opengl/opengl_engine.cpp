@@ -2,7 +2,6 @@
 #include "engine/opengl/opengl_engine.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "descriptor/registry.h"
 #include "engine/memory.h"
@@ -69,8 +68,8 @@ MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size
   MemoryForecast memory;
   memory.device = bytes_of_device(size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
-  memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 +
-                size.triangles * 100 + size.wedges * 160 + size.borders * 300;
+  memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 +
+                size.wedges * 160 + size.borders * 300;
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(size.descriptors));
   return memory;

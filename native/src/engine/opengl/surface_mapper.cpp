@@ -50,7 +50,7 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const N
   tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
 }
 
-// A program for each choice instead of uniforms: see normals_program in device_surface.cpp.
+// A program for each choice instead of uniforms: zink of Mesa 25 compiles uniforms into programs, and kept an outdated value.
 static GLuint displace_program(const Gl &gl, ProgramCache &programs, bool displaced, bool normal_mapped) {
   const std::string text = define("DISPLACED", displaced) + define("NORMAL_MAPPED", normal_mapped);
   return programs.get(gl, "displace " + text, {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}, {{"variant.glsl", text}});

@@ -85,9 +85,8 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   const double share = 0.7 / static_cast<double>(count);
   for (size_t first = 0; first < count; first += centers_of_texels) {
     const size_t last = std::min<size_t>(first + centers_of_texels, count);
-    const std::vector<CenterData> centers =
-        texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
-                      settings.radius * ellipse_enlargement, job.options().seed, first, last);
+    const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
+                                                          settings.radius * ellipse_enlargement, job.options().seed, first, last);
     gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers); });
     CenterResults results = evaluate(job, settings, frame, job.progress, 0.3 + share * static_cast<double>(first),
                                      0.3 + share * static_cast<double>(last));
