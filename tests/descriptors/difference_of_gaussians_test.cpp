@@ -52,7 +52,7 @@ TEST_P(DifferenceOfGaussians, exists_where_the_gradient_does_not) {
   Settings requested = settings;
   requested.radius = 0.1;
   requested.buffer_size = 512;
-  requested.samples = 64;
+  requested.samples = GetParam() == device_backend() ? 1024 : 64; // of a pattern most lie beside the ribbon
   const std::vector<std::string> both{"difference_of_gaussians", "harris", "gradient_magnitude"};
   const std::vector<float> alone = compute_one(mesh, both[0], requested);
   const Results together = compute(context.get(), mesh, requested, both);

@@ -34,9 +34,10 @@
  *
  * SAME INPUT, SAME RESULT
  *   One device always gives the same bits, whatever the number of threads and the split of the work into dispatches; so does
- *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently. On smooth surfaces, at the
- *   defaults of pdesc_options, a device differs from REFERENCE by at most PDESC_PARITY_PERCENT of a descriptor's range over the
- *   mesh (areas: of their value) and PDESC_PARITY_DEGREES for directions, as means over vertices; two devices by twice that.
+ *   REFERENCE on one machine, and CPU on any. Another device, or another version of its driver, rounds differently. On smooth
+ *   surfaces, at the defaults of pdesc_options, CPU differs from REFERENCE by at most PDESC_PARITY_PERCENT of a descriptor's range
+ *   over the mesh (areas: of their value) and PDESC_PARITY_DEGREES for directions, as means over vertices; GPU and SOFTWARE do if
+ *   charts are wider than the radius, but for operators on a map.
  *
  * GROWTH
  *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
@@ -63,7 +64,7 @@ extern "C" {
 /* Raised when an existing call or struct member changes its meaning; appended members do not raise it. */
 #define PDESC_ABI_VERSION 1
 
-/* Bounds on the differences between devices, see SAME INPUT, SAME RESULT. */
+/* Bounds on the differences between backends, see SAME INPUT, SAME RESULT. */
 #define PDESC_PARITY_PERCENT 1.0
 #define PDESC_PARITY_DEGREES 1.0
 
