@@ -1,7 +1,7 @@
 # shaders/** → a C++ source that defines paradesc::embedded_shaders: (path below shaders/, text) pairs.
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*.glsl ${ROOT}/*.h)
 list(SORT files)
-set(code "#include \"engine/opengl/program.h\"\n\nnamespace paradesc {\nconst std::vector<EmbeddedShader> &embedded_shaders() {\n  static const std::vector<EmbeddedShader> files = {\n")
+set(code "#include \"engine/paper/program.h\"\n\nnamespace paradesc {\nconst std::vector<EmbeddedShader> &embedded_shaders() {\n  static const std::vector<EmbeddedShader> files = {\n")
 foreach(file ${files})
   file(READ ${ROOT}/${file} text)
   string(APPEND code "      {\"${file}\", R\"SHADER(${text})SHADER\"},\n")

@@ -1,4 +1,4 @@
-# shaders/kernel → terms.glsl and descriptors.glsl for C++: all of what engine/opengl/compose.cpp writes for the descriptors asked for.
+# shaders/kernel → terms.glsl and descriptors.glsl for C++: all of what engine/paper/compose.cpp writes for the descriptors asked for.
 file(GLOB terms_files RELATIVE ${PROJECT_SOURCE_DIR}/shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/kernel/terms/*.glsl)
 file(GLOB finish_files RELATIVE ${PROJECT_SOURCE_DIR}/shaders CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/shaders/kernel/descriptors/*.glsl ${PROJECT_SOURCE_DIR}/shaders/kernel/operators/*.glsl)

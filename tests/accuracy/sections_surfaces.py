@@ -47,7 +47,7 @@ def pair(ours, reference):
 def closed(bench, out, quick):
     out.say(
         "Mean error in percent and, in parentheses, of the reference, against the limit r → 0. What both"
-        " have in common is the bias of a finite support and the facets and fitted normals of the mesh; what the "
+        " have in common is the bias of a finite support and the facets and fitted normals of the mesh; what "
         "Paradesc has more is its sums. Open surfaces: vertices 1.5 r away from the boundary."
     )
     names = [name for name in registry() if name in LABELS]
@@ -57,32 +57,29 @@ def closed(bench, out, quick):
     sums = {name: [] for name in curvatures}
     for surface_name in chosen:
         for irregular in (False, True):
-            for charts in (1, 3):
-                surface = surfaces.SURFACES[surface_name](irregular=irregular, charts=charts)
-                for radius in (0.02,) if quick else (0.01, 0.02):
-                    closed_row(bench, surface, irregular, radius, curvatures, sums, rows)
-                    if irregular and radius == 0.02:
-                        size_row(bench, surface, names, sizes)
-                        turned += direction_rows(bench, surface, radius)
-                bench.forget()
+            surface = surfaces.SURFACES[surface_name](irregular=irregular)
+            for radius in (0.02,) if quick else (0.01, 0.02):
+                closed_row(bench, surface, irregular, radius, curvatures, sums, rows)
+                if irregular and radius == 0.02:
+                    size_row(bench, surface, names, sizes)
+                    turned += direction_rows(bench, surface, radius)
+            bench.forget()
     summary = [[LABELS[name], *np.mean(sums[name], axis=0), np.max(sums[name], axis=0)[0]] for name in curvatures]
     out.table(
         f"Over all {len(rows)} cases below",
         ["descriptor", "mean of cases", "reference", "worst case"],
         summary,
     )
-    head = ["surface", "triangles", "charts", "r", *[LABELS[name] for name in curvatures]]
+    head = ["surface", "triangles", "r", *[LABELS[name] for name in curvatures]]
     out.table("Every case: Paradesc (reference)", head, rows)
     out.table(
         "Areas and volume, irregular meshes, r = 2 %: mean |error| in percent of the plane's value, "
         "Paradesc (reference). Against the smooth surface, so the depth of the facets below it counts for both",
-        ["surface", "charts", *[LABELS[name] for name in names if name in PLANE]],
+        ["surface", *[LABELS[name] for name in names if name in PLANE]],
         sizes,
     )
     if directions():
-        out.table(
-            "Principal directions: mean angle, weighted by |k1 − k2|", ["surface", "charts", "max", "min"], turned
-        )
+        out.table("Principal directions: mean angle, weighted by |k1 − k2|", ["surface", "max", "min"], turned)
     else:
         out.lacks("principal_direction_max and principal_direction_min are not in this build.")
 
@@ -92,10 +89,6 @@ def case(bench, surface, radius, names, **chosen):
     chosen = options(radius=radius, **chosen)
     found, truth = bench.run(surface.arrays, names, chosen), bench.reference(surface.arrays, names, chosen)
     return found, truth, found.radius
-
-
-def chart_count(found):
-    return int(found.mesh_report["charts"])
 
 
 def closed_row(bench, surface, irregular, radius, curvatures, sums, rows):
@@ -112,7 +105,6 @@ def closed_row(bench, surface, irregular, radius, curvatures, sums, rows):
         [
             surface.name,
             f"{kind}, {len(surface.arrays.triangle_corners):,}",
-            chart_count(found),
             f"{100 * radius:g} %",
             *cells,
         ]
@@ -126,7 +118,7 @@ def size_row(bench, surface, names, rows):
         exact, subset = surface.exact(name, r), inside(surface, r)
         share = [100 * np.abs(part.values[name] - exact)[subset].mean() / PLANE[name](r) for part in (found, truth)]
         cells.append(pair(*share))
-    rows.append([surface.name, chart_count(found), *cells])
+    rows.append([surface.name, *cells])
 
 
 def direction_rows(bench, surface, radius):
@@ -139,7 +131,7 @@ def direction_rows(bench, surface, radius):
     for name in ("principal_direction_max", "principal_direction_min"):
         both = [angle(part.values[name], surface.exact(name, r), spread, inside(surface, r)) for part in (found, truth)]
         cells.append(f"{both[0]:.3f}° ({both[1]:.3f}°)")
-    return [[surface.name, chart_count(found), *cells]]
+    return [[surface.name, *cells]]
 
 
 # ---- Settings

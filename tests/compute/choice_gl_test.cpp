@@ -8,7 +8,7 @@
 #include "compute/compute.h"
 #include "compute/memory.h"
 #include "descriptor/registry.h"
-#include "engine/opengl/faults.h"
+#include "engine/paper/faults.h"
 #include "support/api_fixture.h"
 
 namespace paradesc {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/shapes.h"
-#include "engine/opengl/baked.h"
+#include "engine/paper/baked.h"
 #include "mesh/cut.h"
 #include "support/layout.h"
 #include "support/percent_ae.h"

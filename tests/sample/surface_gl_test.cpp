@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/opengl/baked.h"
+#include "engine/paper/baked.h"
 #include "mesh/normals.h"
 #include "support/layout.h"
 #include "support/on_device.h"

@@ -22,7 +22,7 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("engine",),  # engine.h, the seam
     ("engine/kernels",),  # what shaders/kernel is in C++
     ("engine/creases",),  # what they make of the results of any engine
-    ("engine/opengl", "engine/reference", "engine/cpu"),
+    ("engine/paper", "engine/reference", "engine/cpu"),
     ("engine/engines",),  # makes them
     ("context",),  # holds one of them
     ("compute",),
@@ -31,8 +31,8 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("exports",),
 )
 RANK = {folder: rank for rank, row in enumerate(DIRECTION) for folder in row}
-OPENGL = "engine/opengl"
-OPENGL_HEADER = re.compile(r"^(GL|EGL|GLES\d?|KHR|epoxy|glad|GLFW)/|^opengl/")
+OPENGL = "engine/paper"
+OPENGL_HEADER = re.compile(r"^(GL|EGL|GLES\d?|KHR|epoxy|glad|GLFW)/|^paper/")
 
 
 def includes() -> dict[str, list[str]]:

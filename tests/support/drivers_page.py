@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 FIELDS = ("VGPRs", "SGPRs", "Spilled VGPRs", "Spilled SGPRs", "Scratch", "LDS", "Max Waves")
-EVALUATE = "opengl/evaluate/evaluate.comp.glsl"
+EVALUATE = "paper/evaluate/evaluate.comp.glsl"
 
 
 def lines_of_file(path):
@@ -22,7 +22,7 @@ def lines_of_file(path):
 def name_of(file, variants, stored):
     """What a program is called in the table, or nothing if it has no row there."""
     if file != EVALUATE:
-        return ", ".join([file.removeprefix("opengl/"), *("16 bits" for _ in {"HALF_FLOATS"} & variants)])
+        return ", ".join([file.removeprefix("paper/"), *("16 bits" for _ in {"HALF_FLOATS"} & variants)])
     if variants & {"INTEGRAL", "GEODESIC_BALL", "ADAPTIVE", "HALF_FLOATS", "CHORDS", "DIRECTIONAL"}:
         return ""
     if len(stored) > 1:

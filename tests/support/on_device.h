@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/opengl/gl_thread.h"
+#include "engine/paper/gl_thread.h"
 #include "support/device.h"
 #include "support/error.h"
 

@@ -1,5 +1,5 @@
 // Images over the caller's UV map → a displaced surface and its normals: here at single positions on triangles; on the device at
-// all baked texels (shaders/opengl/bake/displace.comp.glsl, with the same formulas).
+// all baked texels (shaders/paper/bake/displace.comp.glsl, with the same formulas).
 //
 // With p the point, n the interpolated unit normal and h(uv) = (image - midlevel) scale, the displaced point is p + n h. Its
 // tangents are those of the smooth surface that n describes, t = e - n (n·e) for an edge e of the triangle, plus the change of n

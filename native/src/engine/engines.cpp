@@ -2,7 +2,7 @@
 #include "engine/engines.h"
 
 #include "engine/cpu/cpu_engine.h"
-#include "engine/opengl/opengl_engine.h"
+#include "engine/paper/paper_engine.h"
 #include "engine/reference/reference_engine.h"
 
 namespace paradesc {
@@ -10,13 +10,13 @@ namespace paradesc {
 std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute) {
   if (backend == PDESC_BACKEND_REFERENCE) return open_reference_engine(threads);
   if (backend == PDESC_BACKEND_CPU) return open_cpu_engine(threads);
-  return open_opengl_engine(backend == PDESC_BACKEND_SOFTWARE, device_index, substitute);
+  return open_paper_engine(backend == PDESC_BACKEND_SOFTWARE, device_index, substitute);
 }
 
 MemoryForecast forecast_memory(int32_t backend, const ComputationSize &size) {
   if (backend == PDESC_BACKEND_REFERENCE) return forecast_reference_memory(size);
   if (backend == PDESC_BACKEND_CPU) return forecast_cpu_memory(size);
-  return forecast_opengl_memory(backend == PDESC_BACKEND_SOFTWARE, size);
+  return forecast_paper_memory(backend == PDESC_BACKEND_SOFTWARE, size);
 }
 
 } // namespace paradesc

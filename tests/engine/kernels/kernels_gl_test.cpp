@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/opengl/buffer.h"
-#include "engine/opengl/compose.h"
+#include "engine/paper/buffer.h"
+#include "engine/paper/compose.h"
 #include "support/likeness.h"
 #include "support/on_device.h"
 
@@ -16,7 +16,7 @@ namespace {
 // A stage that reads its neighbors from a list, and nothing else.
 const char *const stage = R"(#version 450 core
 #include "variant.glsl"
-#include "opengl/evaluate/params.glsl"
+#include "paper/evaluate/params.glsl"
 #include "kernel/sums.glsl"
 #include "descriptors.glsl"
 layout(local_size_x = 1) in;

@@ -1,1 +1,1 @@
-#error "OpenGL belongs to native/src/engine/opengl: include engine/engine.h, and let an engine do it."
+#error "OpenGL belongs to native/src/engine/paper: include engine/engine.h, and let an engine do it."
