@@ -68,6 +68,10 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         subtype="PIXEL",
         update=settings_changed,
     )
+    # Version 0.1.0 had it, so that its files and scripts set it.
+    fast_seams: bpy.props.BoolProperty(
+        name="Fast over Seams", description="Without effect", default=False, options={"HIDDEN"}
+    )
     full_render: bpy.props.BoolProperty(
         name="Full Quality in Renders",
         description="Render with the settings of Quality and Method instead of these",

@@ -40,7 +40,7 @@ SETTINGS = {
         "frame_step": 1, "cache_folder": "//frames", "relative_to_rest": True, "overwrite": False,
     },
     "paradesc_live": {
-        "samples": 24, "buffer_size": 128, "full_render": False, "wait": True, "missing": "HOLD",
+        "samples": 24, "buffer_size": 128, "fast_seams": True, "full_render": False, "wait": True, "missing": "HOLD",
     },
 }  # fmt: skip
 # Settings that apply while values are computed, for the reference and for frames; the rest is as above.
