@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
+#include <random>
 #include <set>
 #include <span>
 #include <utility>
@@ -258,6 +260,22 @@ TEST(PointClusters, are_in_patches_of_up_to_eight_nodes_and_groups_of_up_to_sixt
       EXPECT_GT(groups[g + 1], groups[g]);
       EXPECT_LE(groups[g + 1] - groups[g], group_lanes);
     }
+  }
+}
+
+// In the order of shuffled triangles, pairs leave single points behind, and a group has ten points.
+TEST(PointOrder, fills_groups_about_as_well_in_any_order_of_the_triangles) {
+  const TestMesh ordered = torus(1, 0.4, {.vertices = 10000});
+  TestMesh shuffled = ordered;
+  std::vector<size_t> order(ordered.triangle_corners.size() / 3);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::shuffle(order, std::mt19937(1));
+  for (size_t i = 0; i < order.size(); ++i)
+    std::copy_n(ordered.triangle_corners.begin() + static_cast<ptrdiff_t>(3 * order[i]), 3,
+                shuffled.triangle_corners.begin() + static_cast<ptrdiff_t>(3 * i));
+  for (const TestMesh &mesh : {ordered, shuffled}) {
+    const PointOrder points = order_points(build_half_edges(read_triangles(input_of(mesh))));
+    EXPECT_GT(points.points() / static_cast<double>(points.group_begin.size() - 1), 14.0) << "of " << group_lanes;
   }
 }
 
