@@ -8,12 +8,15 @@ What is computed is the method of Andreadis, Papaioannou and Mavridis, "GPU Acce
 Descriptors in Parametric Space"; descriptors() lists what there is, each with its equation. Imports no part of Blender.
 """
 
+import sys
 import threading
 import warnings
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import takewhile
+from traceback import walk_stack
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -375,9 +378,11 @@ progress, **more
 
 
 def told_of(result: Result) -> Result:
-    """The same result, after a warning about each thing that limits its values."""
+    """The same result, after a warning about each thing that limits its values, at the line that called this package."""
+    ours = takewhile(lambda row: row[0].f_globals.get("__package__") == __package__, walk_stack(sys._getframe()))
+    level = 1 + len(list(ours))
     for sentence in result.warnings:
-        warnings.warn(sentence, ParadescWarning, stacklevel=3)  # of the caller of compute()
+        warnings.warn(sentence, ParadescWarning, stacklevel=level)
     return result
 
 

@@ -7,6 +7,7 @@ Blender; the heavy modules are imported when the command runs.
 
 import importlib.util
 import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,13 +89,15 @@ def quantities(
     """
     import numpy as np
 
-    from .api import compute
+    from .api import ParadescWarning, compute
 
     corners = points[triangles].astype(np.float64)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(across, axis=1)
     keep = length > 0
-    result = compute(points, triangles, NAMES, radius, radius_unit="absolute", domain="faces")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ParadescWarning)  # one of them is that PyCurv's triangles are wound inwards
+        result = compute(points, triangles, NAMES, radius, radius_unit="absolute", domain="faces")
     largest, least, along_largest, along_least = (result[name][keep].astype(np.float64) for name in NAMES)
     one, other, normal = -least, -largest, across[keep] / length[keep, None]
     voted = np.cross(along_least, along_largest)

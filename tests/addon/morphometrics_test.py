@@ -77,6 +77,7 @@ def test_the_entry_point_names_the_command():
     assert "pycurv" in morphometrics.command.get_short_help_str(200)
 
 
+@pytest.mark.filterwarnings("error")  # the winding that PyCurv wants is no fault
 def test_every_triangle_of_a_sphere_has_pycurvs_quantities_with_its_signs(config):
     points, triangles = surface(config.parent)
     done = run(config)

@@ -101,6 +101,9 @@ def test_pyvista_has_an_accessor(mesh):
 
     assert pyvista_accessor.ParadescAccessor
     surface = pyvista.PolyData.from_regular_faces(*mesh)
+    with pytest.warns(paradesc.ParadescWarning) as told:
+        surface.paradesc.curvature(radius=1e-3)
+    assert {one.filename for one in told} == {__file__}
     measured = surface.paradesc.curvature(radius=0.1)
     assert np.array_equal(measured["mean_curvature"], paradesc.compute(*mesh, radius=0.1)["mean_curvature"])
     assert "mean_curvature" not in surface.point_data
