@@ -121,7 +121,9 @@ def compute(
     Raises
     ------
     InputError
-        A ValueError: arrays (empty ones too) or options cannot be used. It is a TypeError too if no option has the name.
+        A ValueError: arrays (empty ones too) or values of options cannot be used.
+    TypeError
+        No option has the name of a keyword argument; the sentence names the nearest.
     ParadescError
         It cannot be computed here (no such device, too little memory), or was cancelled.
 
@@ -150,6 +152,7 @@ def compute(
         "estimator": estimator, "distance": distance, "map_descriptor": map_descriptor, "backend": backend,
         "device_index": device_index, "threads": threads, "memory_limit": memory_limit, "domain": domain,
     }  # fmt: skip
+    options.check_names(compute, more)
     with plain_errors():
         settings = options.settings_of(descriptors, radius, {**named, **more})
         told = cancelling(progress)
@@ -194,7 +197,7 @@ def profile(
 
     Raises
     ------
-    InputError, ParadescError
+    InputError, TypeError, ParadescError
         As of compute(); and where noise is not known: by normals "mesh" and on devices.
 
     Examples
@@ -207,6 +210,7 @@ def profile(
     >>> bool(found.standard_error[-1].mean() < found.standard_error[0].mean())
     True
     """
+    options.check_names(profile, more, (*options.DEFAULTS, *options.WHOLE, "backend"))
     with plain_errors():
         if descriptor != balance.MEAN:
             raise InputError(f"descriptor is {options.shown(descriptor)}; only mean_curvature has a standard error.")
@@ -327,18 +331,19 @@ progress, **more
 
         Raises
         ------
-        InputError, ParadescError
+        InputError, TypeError, ParadescError
             As of compute(); and of a mesh that is closed.
         """
         named = {
             "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
             "estimator": estimator, "distance": distance, "map_descriptor": map_descriptor,
         }  # fmt: skip
+        if "domain" in more:
+            raise TypeError("A paradesc.Mesh has values at vertices; paradesc.compute() has them at faces.")
+        options.check_names(Mesh.compute, more)
         with plain_errors(), self._lock:
             stream = self._opened()
             settings = options.settings_of(descriptors, radius, {**named, **more, **self._machine})
-            if settings.domain != "vertices":
-                raise InputError("A paradesc.Mesh has values at vertices; paradesc.compute() has them at faces.")
             told = cancelling(progress)
             check_normals(settings, corner_normals)
             own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)
@@ -378,7 +383,7 @@ progress, **more
 
 
 def told_of(result: Result) -> Result:
-    """The same result, after a warning about each thing that limits its values, at the line that called this package."""
+    """The same result, after a warning about each thing that limits its values, at the line that calls this package."""
     ours = takewhile(lambda row: row[0].f_globals.get("__package__") == __package__, walk_stack(sys._getframe()))
     level = 1 + len(list(ours))
     for sentence in result.warnings:

@@ -151,7 +151,7 @@ def test_what_is_not_measured_at_faces_is_refused(triangles, words, sentence):
 
 
 def test_a_mesh_that_is_kept_says_who_has_values_at_faces(triangles):
-    with paradesc.Mesh(*triangles) as mesh, pytest.raises(InputError, match="has values at vertices"):
+    with paradesc.Mesh(*triangles) as mesh, pytest.raises(TypeError, match="has values at vertices"):
         mesh.compute(domain="faces")
 
 

@@ -4,6 +4,7 @@ import doctest
 import inspect
 import re
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -66,10 +67,22 @@ def test_what_limits_values_is_a_warning_at_the_line_that_computes(mesh):
         paradesc.compute(*mesh, radius=0.1)
 
 
-def test_an_unknown_option_is_a_type_error_too(mesh):
-    with pytest.raises(TypeError, match="There is no option 'sampels'"):
-        paradesc.compute(*mesh, sampels=3)
-    assert issubclass(paradesc.InputError, ValueError)
+def test_an_unknown_keyword_is_a_type_error_that_names_the_nearest(mesh):
+    def refused(call, **more):
+        with pytest.raises(TypeError) as caught:
+            call(**more)
+        assert not isinstance(caught.value, ValueError)
+        return str(caught.value)
+
+    compute = partial(paradesc.compute, *mesh)
+    sentence = "compute() got an unexpected keyword argument 'sampels'; the nearest is 'samples'."
+    assert refused(compute, sampels=3) == sentence
+    assert refused(compute, uv=None).endswith("'uvs'.")
+    assert refused(compute, harris=1).endswith("'harris_k'.")
+    assert refused(partial(paradesc.profile, *mesh), radius=0.1).endswith("'radius'; the nearest is 'radii'.")
+    with paradesc.Mesh(*mesh) as kept:
+        assert refused(kept.compute, sampels=3) == f"Mesh.{sentence}"
+        assert "argument 'backend'" in refused(kept.compute, backend="cpu")  # of the mesh, which has it already
 
 
 def test_radii_are_an_axis(mesh):

@@ -1,7 +1,9 @@
 """Turns the options of compute() into settings, or says in one sentence which one is wrong. Never imports bpy."""
 
+import difflib
+import inspect
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
 from typing import Literal, TypedDict
 
@@ -27,10 +29,6 @@ DEFAULTS = {row.name: row.default for row in bridge.TABLE}
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
 
 
-class UnknownOptionError(InputError, TypeError):
-    """An argument has a name that is not an option's."""
-
-
 class MoreOptions(TypedDict, total=False):
     """The options that are needed less often; addon/manual/reference.md describes each."""
 
@@ -51,12 +49,18 @@ class MoreOptions(TypedDict, total=False):
     adaptive: float
 
 
+def check_names(function: Callable, more: Iterable[str], known: Iterable[str] = MoreOptions.__annotations__) -> None:
+    """Refuses a keyword argument that a function has not, as Python does, and names the nearest that it has."""
+    for name in more:
+        if name not in known:
+            every = [*inspect.signature(function).parameters, *known]
+            (nearest,) = difflib.get_close_matches(name, every, 1, 0)
+            sentence = f"{function.__qualname__}() got an unexpected keyword argument {shown(name)}"
+            raise TypeError(f"{sentence}; the nearest is {nearest!r}.")
+
+
 def settings_of(descriptors: object, radius: object, given: Mapping[str, object]) -> Settings:
     """The settings of a computation; given are options and machine settings by name."""
-    known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold", "domain"]
-    for name in given:
-        if name not in known:
-            raise UnknownOptionError(f"There is no option {shown(name)}; choose from {', '.join(sorted(known))}.")
     radii = radii_of(radius)
     options = {name: option_of(name, value) for name, value in given.items() if name in DEFAULTS}
     machine = {name: whole_number(name, given[name]) for name in WHOLE if name in given}
