@@ -1,7 +1,7 @@
 """The Python package: descriptors of meshes that are numpy arrays, or meshes of trimesh, PyVista or Open3D.
 
     import paradesc
-    result = paradesc.compute(vertices, faces, ["mean_curvature", "gaussian_curvature"], radius=0.02)
+    result = paradesc.compute(vertices, faces, ["mean_curvature", "curvedness"], radius=0.08, radius_unit="absolute")
     result["mean_curvature"]  # (n,) float32
 
 What is computed is the method of Andreadis, Papaioannou and Mavridis, "GPU Accelerated Computation of Geometric

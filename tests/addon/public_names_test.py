@@ -12,6 +12,7 @@ import pytest
 import paradesc
 from paradesc import api
 from python_api_test import torus
+from shapes import ADDON
 
 PUBLIC = {name: getattr(paradesc, name) for name in paradesc.__all__}
 METHODS = {
@@ -98,7 +99,14 @@ def test_radii_are_an_axis(mesh):
 def test_the_radius_is_shown_as_a_length_and_as_a_share(mesh):
     diagonal = np.linalg.norm(np.ptp(mesh[0], axis=0))
     shown = repr(paradesc.compute(*mesh, radius=0.1))
-    assert f"radius {0.1 * diagonal:.4g} (10 % of the diagonal)" in shown
+    assert f"radius {0.1 * diagonal:.4g} = 10 % of the diagonal {diagonal:.4g}," in shown
+
+
+def test_the_first_examples_give_the_radius_as_a_length():
+    pages = [ADDON / "manual" / "python.md", ADDON / "PACKAGE.md"]
+    for text in (api.__doc__, *(page.read_text(encoding="utf-8") for page in pages)):
+        first = re.search(r"paradesc\.compute\(.*\)", text).group()
+        assert 'radius=0.08, radius_unit="absolute")' in first
 
 
 def test_bits_of_the_mask_have_names():

@@ -1,9 +1,9 @@
 """Fuzzes paradesc.compute() and paradesc.Mesh by what users may give them: shapes, types, numbers, options of any kind.
 
 Usage: python_inputs.py [--inputs N] [--seed S] [--first I]. Each input is a small mesh and options of which some are
-damaged. It has to give a result, or a ParadescError whose text is one sentence, or Python's TypeError for an option that
-there is not; never another exception, and what was given has to stay as it was. Each input follows from seed and number
-alone: a finding is repeated by the command that is printed with it.
+damaged. It has to give a result, a ParadescError whose text is one sentence, or a TypeError for an option that there is
+not; never another exception, and what was given has to stay as it was. Each input follows from seed and number alone: a
+finding is repeated by the command that is printed with it.
 """
 
 import argparse

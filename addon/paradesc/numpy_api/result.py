@@ -113,7 +113,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
     def __repr__(self) -> str:
         count = len(self.coverage)
         share = 100 * self.radius / max(self._diagonal, np.finfo(float).tiny)
-        radius = f"radius {self.radius:.4g} ({share:.3g} % of the diagonal)"
+        radius = f"radius {self.radius:.4g} = {share:.3g} % of the diagonal {self._diagonal:.4g}"
         lines = [f"{count:,} {self.domain}, {radius}, {self.backend} ({self.device})"]
         lines += [self._line(name) for name in self]
         lines += [f"warning: {sentence}" for sentence in self.warnings]
