@@ -48,7 +48,7 @@ def test_everything_public_is_documented(name):
 def test_examples_give_what_they_show():
     finder = doctest.DocTestFinder()
     runner = doctest.DocTestRunner()
-    for name in ("compute", "profile", "Mesh"):
+    for name in ("compute", "profile", "Mesh", "Mask"):
         for test in finder.find(getattr(api, name), name, globs=vars(api).copy()):
             runner.run(test)
     assert runner.tries > 15
@@ -114,6 +114,8 @@ def test_bits_of_the_mask_have_names():
     mask = paradesc.compute(points, [[0, 1, 2]], radius=0.1).mask
     assert paradesc.Mask(int(mask[3])) == paradesc.Mask.NO_FACE
     assert paradesc.Mask.BOUNDARY in paradesc.Mask(int(mask[0]))
+    assert (mask & paradesc.Mask.BOUNDARY != 0).tolist() == [True, True, True, False]
+    assert set(re.findall(r"^([A-Z_]+)$", inspect.getdoc(paradesc.Mask), re.M)) == set(paradesc.Mask.__members__)
 
 
 def test_pyvista_has_an_accessor(mesh):

@@ -33,12 +33,35 @@ class ParadescWarning(UserWarning):
 
 
 class Mask(enum.IntFlag):
-    """The bits of Result.mask."""
+    """The bits of Result.mask, which say at each vertex or face what limits its values.
 
-    NO_FACE = abi.MASK_NO_FACE  # a vertex without a face, or a face without an area
-    BOUNDARY = abi.MASK_BOUNDARY  # a boundary of the mesh cuts the neighborhood
-    LOW_COVERAGE = abi.MASK_LOW_COVERAGE  # the coverage is below 0.9
-    NO_UV = abi.MASK_NO_TEXEL  # there is no place in the UV map
+    Attributes
+    ----------
+    NO_FACE
+        The vertex has no face, or the face no area; values are NaN.
+    BOUNDARY
+        A boundary of the mesh cuts the neighborhood; values are those of what is there.
+    LOW_COVERAGE
+        The coverage is below 0.9: a graphics card has not found all of the neighborhood in the UV map.
+    NO_UV
+        There is no place in the UV map, which graphics cards need; values are NaN.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import paradesc
+    >>> points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 0]])
+    >>> result = paradesc.compute(points, [[0, 1, 2, 3]], radius=1.2, radius_unit="absolute")
+    >>> (result.mask & paradesc.Mask.BOUNDARY != 0).tolist()
+    [True, True, True, True, False]
+    >>> paradesc.Mask.NO_FACE in paradesc.Mask(int(result.mask[4]))
+    True
+    """
+
+    NO_FACE = abi.MASK_NO_FACE
+    BOUNDARY = abi.MASK_BOUNDARY
+    LOW_COVERAGE = abi.MASK_LOW_COVERAGE
+    NO_UV = abi.MASK_NO_TEXEL
 
 
 class Result(Mapping[str, NDArray[np.float32]]):
