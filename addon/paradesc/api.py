@@ -72,8 +72,8 @@ def compute(
     Parameters
     ----------
     vertices : (n, 3) array_like, or a mesh of trimesh, PyVista or Open3D
-        Real numbers. A mesh of another package has its faces. The library computes with 32-bit floats; a mesh farther
-        from the origin than it is large is moved there first, so nothing is lost.
+        Real numbers. A mesh of another package has its faces. The library takes 32-bit floats; a mesh farther from the
+        origin than it is large is moved there first, so that they hold its shape.
     faces : (m, 3) or (m, k) array_like, or a sequence of sequences
         Triangles or polygons, which may be concave: vertices counted from 0, counterclockwise as seen from outside.
     descriptors : str or sequence of str
@@ -115,8 +115,9 @@ def compute(
     Returns
     -------
     Result
-        Values of each descriptor, (n,) or (n, 3) float32, as the library computes: more digits would mean nothing. NaN
-        at vertices without a face, at faces without an area, and wherever else a descriptor does not exist.
+        Values of each descriptor, (n,) or (n, 3) float32, also of float64 vertices: the library takes positions and
+        gives values as 32-bit floats, and float64 would show digits that it has not computed. NaN at vertices without a
+        face, at faces without an area, and wherever else a descriptor does not exist.
 
     Raises
     ------

@@ -86,6 +86,14 @@ def test_an_unknown_keyword_is_a_type_error_that_names_the_nearest(mesh):
         assert "argument 'backend'" in refused(kept.compute, backend="cpu")  # of the mesh, which has it already
 
 
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_values_are_float32_whatever_was_given_and_the_documentation_says_so(mesh, kind):
+    points, faces = mesh
+    assert paradesc.compute(points.astype(kind), faces, radius=0.1)["mean_curvature"].dtype == np.float32
+    for text in (paradesc.compute.__doc__, (ADDON / "manual" / "python.md").read_text(encoding="utf-8")):
+        assert "float32, also of float64 vertices: the library takes positions" in text
+
+
 def test_radii_are_an_axis(mesh):
     result = paradesc.compute(*mesh, ["curvedness", "principal_direction_max"], radius=(0.05, 0.1))
     assert np.array_equal(result.over_radii("curvedness"), [result["curvedness_r0.05"], result["curvedness_r0.1"]])
