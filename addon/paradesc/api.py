@@ -79,8 +79,9 @@ def compute(
     descriptors : str or sequence of str
         Of those that paradesc.descriptors() lists.
     radius : float, sequence of float, or "auto"
-        Of the neighborhood that is measured. With several, values are named "mean_curvature_r0.01". "auto": as profile()
-        finds it, and the estimator that then errs less, unless another than "shape-operator" is asked for.
+        Of the neighborhood that is measured. With several, result["mean_curvature", 0.01] are values of one of them, and
+        "mean_curvature_r0.01" is their name. "auto": as profile() finds it, and the estimator that then errs less,
+        unless another than "shape-operator" is asked for.
     radius_unit : {"diagonal", "absolute", "mean-edge"}
         What a radius counts: the bounding box's diagonal, the unit of the vertices, or the mean edge.
     samples : int

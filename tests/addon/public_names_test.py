@@ -98,7 +98,15 @@ def test_radii_are_an_axis(mesh):
     result = paradesc.compute(*mesh, ["curvedness", "principal_direction_max"], radius=(0.05, 0.1))
     assert np.array_equal(result.over_radii("curvedness"), [result["curvedness_r0.05"], result["curvedness_r0.1"]])
     assert result.over_radii("principal_direction_max").shape == (2, len(mesh[0]), 3)
+    assert result["curvedness", 0.1] is result["curvedness_r0.1"]
+    assert ("curvedness", 0.1) in result
+    with pytest.raises(KeyError, match="was not computed"):
+        result["curvedness", 0.2]
+    radii = np.array([0.05, 0.1]) / 3  # more digits than names have
+    third = paradesc.compute(*mesh, "curvedness", radii, domain="faces")
+    assert np.array_equal(third["curvedness", radii[1]], third["curvedness_r0.0333333"])
     one = paradesc.compute(*mesh, "curvedness", radius=0.1)
+    assert one["curvedness", 0.1] is one["curvedness"]
     assert np.array_equal(one.over_radii("curvedness")[0], one["curvedness"])
     with pytest.raises(KeyError, match="curved"):
         result.over_radii("curved")

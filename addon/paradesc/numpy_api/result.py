@@ -68,7 +68,8 @@ class Result(Mapping[str, NDArray[np.float32]]):
     """The values at the vertices (or the faces) that were given, in their order, by the names of descriptors.
 
     Each is (n,) or, of a direction, (n, 3) float32; NaN where it does not exist. With several radii the names end with
-    them: "mean_curvature_r0.01". str(result) shows the least, middle and largest of each.
+    them, "mean_curvature_r0.01", and result["mean_curvature", 0.01] takes a radius as it was given. str(result) shows
+    the least, middle and largest of each.
 
     Attributes
     ----------
@@ -109,9 +110,12 @@ class Result(Mapping[str, NDArray[np.float32]]):
 
     def __init__(self, results: Results) -> None:
         """Takes the results of a job."""
-        self._values = results.values
-        self.coverage, self.mask, self.domain = results.coverage, results.mask, results.settings.domain
-        map_name = results.settings.options.map_descriptor
+        self._values, settings = results.values, results.settings
+        radii = (settings.options.radius, *settings.more_radii)
+        pairs = [(name, radius) for radius in radii for name in settings.descriptors]
+        self._names = dict(zip(pairs, settings.value_names(), strict=True))
+        self.coverage, self.mask, self.domain = results.coverage, results.mask, settings.domain
+        map_name = settings.options.map_descriptor
         self.units = {name: legend.unit_of(name, map_name) for name in self}
         self.radii = {name: results.radius_of(name) for name in self}
         self.radius, self._diagonal = results.radius, float(results.mesh_report["diagonal"])
@@ -122,10 +126,11 @@ class Result(Mapping[str, NDArray[np.float32]]):
         self.backend, self.device = results.backend, results.device
         self.report = self._report(results)
 
-    def __getitem__(self, name: str) -> NDArray[np.float32]:
-        if name not in self._values:
+    def __getitem__(self, name: str | tuple[str, float]) -> NDArray[np.float32]:
+        own = self._names.get(name, name)
+        if own not in self._values:
             raise KeyError(f"{name!r} was not computed; there is {', '.join(self._values)}")
-        return self._values[name]
+        return self._values[own]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)
@@ -160,11 +165,8 @@ class Result(Mapping[str, NDArray[np.float32]]):
         KeyError
             The descriptor was not computed.
         """
-        names = [name for name in self if name == descriptor or name.startswith(f"{descriptor}_r")]
-        own = [name for name in names if name == descriptor or is_number(name[len(descriptor) + 2 :])]
-        if not own:
-            raise KeyError(f"{descriptor!r} was not computed; there is {', '.join(self._values)}")
-        return np.stack([self._values[name] for name in own])
+        pairs = [(name, radius) for name, radius in self._names if name == descriptor]
+        return np.stack([self[pair] for pair in pairs or [descriptor]])
 
     def to(self, mesh: AnyMesh) -> AnyMesh:
         """Gives all values, and the coverage, to a mesh of another package.
@@ -217,11 +219,3 @@ class Result(Mapping[str, NDArray[np.float32]]):
             "notes": self.notes,
             "warnings": self.warnings,
         }
-
-
-def is_number(text: str) -> bool:
-    """Whether a text is a number, as the radius that a name ends with."""
-    try:
-        return float(text) > 0
-    except ValueError:
-        return False
