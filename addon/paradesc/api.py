@@ -79,7 +79,7 @@ def compute(
     descriptors : str or sequence of str
         Of those that paradesc.descriptors() lists.
     radius : float, sequence of float, or "auto"
-        Of the neighborhood that is measured. With several, result["mean_curvature", 0.01] are values of one of them, and
+        Of the neighborhood that is measured. With several, result["mean_curvature", 0.01] has the values of one, and
         "mean_curvature_r0.01" is their name. "auto": as profile() finds it, and the estimator that then errs less,
         unless another than "shape-operator" is asked for.
     radius_unit : {"diagonal", "absolute", "mean-edge"}
@@ -140,14 +140,18 @@ def compute(
 
     Examples
     --------
+    A ridge, whose principal curvatures along its line are 0.4 and 0.
+
     >>> import numpy as np
-    >>> corners = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
-    >>> faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-    >>> result = compute(corners, faces, "sphere_volume", radius=0.5, radius_unit="absolute", creases="none")
-    >>> result["sphere_volume"].shape
-    (6,)
-    >>> bool(np.all(result["sphere_volume"] < 4 / 3 * np.pi * 0.5**3))
-    True
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> result = paradesc.compute(vertices, faces, ["mean_curvature", "curvedness"], radius=0.2, radius_unit="absolute")
+    >>> result["mean_curvature"].shape
+    (441,)
+    >>> print(f"{result['mean_curvature'][220]:.2f}")
+    0.20
     """
     named = {
         "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
@@ -205,10 +209,11 @@ def profile(
     Examples
     --------
     >>> import numpy as np
+    >>> import paradesc
     >>> u, v = np.meshgrid(*2 * [np.linspace(-1, 1, 21)])
     >>> heights = 0.2 * u * u + np.random.default_rng(0).normal(0, 0.003, u.shape)
     >>> i = np.arange(20 * 21).reshape(20, 21)[:, :20].reshape(-1, 1)
-    >>> found = profile(np.stack([u, v, heights], 2).reshape(-1, 3), i + [0, 1, 22, 21])
+    >>> found = paradesc.profile(np.stack([u, v, heights], 2).reshape(-1, 3), i + [0, 1, 22, 21])
     >>> bool(found.standard_error[-1].mean() < found.standard_error[0].mean())
     True
     """
@@ -244,13 +249,16 @@ class Mesh:
     Examples
     --------
     >>> import numpy as np
-    >>> corners = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
-    >>> with Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]) as mesh:
-    ...     for stretch in (1.0, 1.5):
-    ...         mesh.positions = corners * [1, 1, stretch]
-    ...         result = mesh.compute("euclidean_area", 0.5, radius_unit="absolute")
-    >>> len(result["euclidean_area"])
-    4
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> with paradesc.Mesh(vertices, faces) as mesh:
+    ...     for stretch in (1, 2):
+    ...         mesh.positions = vertices * [1, 1, stretch]
+    ...         print(f"{mesh.compute(radius=0.2, radius_unit='absolute')['mean_curvature'][220]:.2f}")
+    0.20
+    0.40
     """
 
     def __init__(
@@ -322,8 +330,9 @@ class Mesh:
 
         Parameters
         ----------
-        descriptors, radius, radius_unit, samples, corner_normals, creases, normals, estimator, distance, map_descriptor, \
-progress, **more
+        descriptors, radius, radius_unit, samples, corner_normals, creases
+            As paradesc.compute() takes them.
+        normals, estimator, distance, map_descriptor, progress, **more
             As paradesc.compute() takes them.
 
         Returns

@@ -35,7 +35,28 @@ Struct = TypeVar("Struct", bound=ctypes.Structure)
 
 
 class ParadescError(Exception):
-    """A failure with its status code (abi.STATUS_*) and one sentence for people."""
+    """A failure with its status code and one sentence for people.
+
+    Attributes
+    ----------
+    status : int
+        One of PDESC_STATUS_* in paradesc.h.
+    sentence : str
+        What failed, as str() shows it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> try:
+    ...     paradesc.compute(vertices, faces, radius=0.2, progress=lambda stage, fraction: False)
+    ... except paradesc.ParadescError as error:
+    ...     print(error)
+    Cancelled in stage prepare.
+    """
 
     def __init__(self, status: int, sentence: str) -> None:
         super().__init__(sentence)
@@ -44,7 +65,17 @@ class ParadescError(Exception):
 
 
 class InputError(ParadescError, ValueError):
-    """The given mesh or file cannot be used with any settings. It is also a ValueError, which Python users expect."""
+    """The given mesh, file or options cannot be used. It is also a ValueError, which Python users expect.
+
+    Examples
+    --------
+    >>> import paradesc
+    >>> try:
+    ...     paradesc.compute([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 9]])
+    ... except paradesc.InputError as error:
+    ...     print(error)
+    Face 0 names vertex 9, but there are 3 vertices, counted from 0.
+    """
 
     def __init__(self, sentence: str) -> None:
         super().__init__(abi.STATUS_INVALID_ARGUMENT, sentence)
@@ -52,7 +83,32 @@ class InputError(ParadescError, ValueError):
 
 @dataclass(frozen=True)
 class Descriptor:
-    """One row of the native registry."""
+    """One row of the native registry: what can be computed.
+
+    Attributes
+    ----------
+    name, label, description : str
+        As compute() takes it; for people; a formula or a sentence.
+    length_power : int
+        The unit is the length to this power; unit has it as text.
+    is_signed : bool
+        Whether values lie on both sides of the neutral one.
+    neutral_value : float
+        The value of a plane; NaN where a plane has none.
+    display_minimum, display_maximum : float
+        A fixed range for colors; NaN if it follows from the values.
+    components : int
+        1, or 3 of a vector in the space of the vertices.
+    map_degree : int
+        Above 0: an operator on a map, whose unit counts to this power.
+
+    Examples
+    --------
+    >>> import paradesc
+    >>> row = paradesc.descriptors()[0]
+    >>> row.name, row.unit
+    ('mean_curvature', '1/length')
+    """
 
     name: str
     label: str
@@ -62,8 +118,8 @@ class Descriptor:
     neutral_value: float
     display_minimum: float
     display_maximum: float
-    components: int = 1  # or 3: a vector in object space
-    map_degree: int = 0  # above 0: an operator on a map, whose unit counts to this power
+    components: int = 1
+    map_degree: int = 0
 
     @property
     def unit(self) -> str:
@@ -71,7 +127,18 @@ class Descriptor:
         return unit_name(self.length_power)
 
     def unit_on(self, map_name: str) -> str:
-        """The unit of an operator on the map of another descriptor; a descriptor of the surface has its own unit."""
+        """The unit of an operator on the map of another descriptor; a descriptor of the surface has its own unit.
+
+        Parameters
+        ----------
+        map_name : str
+            The other descriptor.
+
+        Returns
+        -------
+        str
+            As unit has it.
+        """
         powers = [row.length_power for row in descriptors() if row.name == map_name]
         return unit_name(self.length_power + self.map_degree * sum(powers))
 
@@ -208,7 +275,24 @@ def new_struct(library: ctypes.CDLL, kind: type[Struct]) -> Struct:
 
 @lru_cache(maxsize=1)
 def descriptors() -> tuple[Descriptor, ...]:
-    """The native registry, in its order."""
+    """The descriptors that compute() takes, in the order of the native registry.
+
+    Returns
+    -------
+    tuple of Descriptor
+        A row for each.
+
+    Raises
+    ------
+    ParadescError
+        The native library is missing, or does not fit this system.
+
+    Examples
+    --------
+    >>> import paradesc
+    >>> [row.name for row in paradesc.descriptors() if row.components == 3]
+    ['principal_direction_max', 'principal_direction_min']
+    """
     library = load_library()
     rows = []
     for index in range(library.pdesc_descriptor_count()):

@@ -70,6 +70,21 @@ class Profile:
         That of the whole mesh.
     expected : float
         The root mean square of the error that is expected there.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> profile = paradesc.profile(vertices, faces, radii=(0.2, 0.3, 0.4), radius_unit="absolute")
+    >>> profile.values.shape
+    (3, 441)
+    >>> profile.radius  # the smallest, since there is no noise
+    0.2
+    >>> profile.at([220]).values.round(2).tolist()
+    [[0.2], [0.2], [0.2]]
     """
 
     radii: Array
@@ -91,6 +106,12 @@ class Profile:
         Returns
         -------
         Profile
+            With arrays (k, j) and (j,).
+
+        Raises
+        ------
+        IndexError
+            There is no such vertex.
         """
         own = {name: getattr(self, name)[:, vertices] for name in ("values", "standard_error", "bias")}
         return replace(self, best=self.best[vertices], **own)

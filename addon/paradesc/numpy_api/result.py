@@ -29,7 +29,22 @@ def for_python(sentence: str) -> str:
 
 
 class ParadescWarning(UserWarning):
-    """Says in one sentence what limits the values of a computation."""
+    """Says in one sentence what limits the values of a computation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", paradesc.ParadescWarning)  # it is wanted so
+    ...     result = paradesc.compute(vertices, faces, radius=0.05, radius_unit="absolute")
+    >>> print(result.warnings[0])
+    The radius is 0.44 of the mean edge: values show facets, not the surface; choose a larger one.
+    """
 
 
 class Mask(enum.IntFlag):
@@ -93,6 +108,23 @@ class Result(Mapping[str, NDArray[np.float32]]):
         What computed, and its name for people.
     report : dict
         Counts, times and settings by the names of the command line's --json.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import paradesc
+    >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
+    >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
+    >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
+    >>> result = paradesc.compute(vertices, faces, "curvedness", radius=(0.2, 0.3), radius_unit="absolute")
+    >>> list(result)
+    ['curvedness_r0.2', 'curvedness_r0.3']
+    >>> bool((result["curvedness", 0.2] == result["curvedness_r0.2"]).all())
+    True
+    >>> result.units["curvedness_r0.2"]
+    '1/length'
+    >>> result.over_radii("curvedness").shape
+    (2, 441)
     """
 
     coverage: NDArray[np.float32]
@@ -174,13 +206,14 @@ class Result(Mapping[str, NDArray[np.float32]]):
         Parameters
         ----------
         mesh
-            A mesh of trimesh, PyVista or Open3D with these vertices or faces. trimesh keeps values in vertex_attributes,
-            PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1) and (n, 3); those of faces in
-            face_attributes, cell_data and triangle.
+            A mesh of trimesh, PyVista or Open3D with these vertices or faces. trimesh keeps values in
+            vertex_attributes, PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1) and (n, 3); those of
+            faces in face_attributes, cell_data and triangle.
 
         Returns
         -------
-        The same mesh.
+        mesh
+            The same.
 
         Raises
         ------
