@@ -12,7 +12,7 @@ import pytest
 import paradesc
 from paradesc import api
 from python_api_test import torus
-from shapes import ADDON
+from shapes import ADDON, ROOT
 
 PUBLIC = {name: getattr(paradesc, name) for name in paradesc.__all__}
 METHODS = {
@@ -134,6 +134,14 @@ def test_bits_of_the_mask_have_names():
     assert set(re.findall(r"^([A-Z_]+)$", inspect.getdoc(paradesc.Mask), re.M)) == set(paradesc.Mask.__members__)
 
 
+def test_the_metadata_is_complete():
+    tomllib = pytest.importorskip("tomllib", reason="Python 3.10 has none")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["entry-points"]["pyvista.accessors"] == {"paradesc": "paradesc.pyvista_accessor"}
+    wanted = "description readme license license-files authors requires-python keywords classifiers"
+    assert all(project[name] for name in wanted.split())
+
+
 def test_pyvista_has_an_accessor(mesh):
     pyvista = pytest.importorskip("pyvista", "0.48")
     from paradesc import pyvista_accessor  # of the entry point, which sources have not
@@ -143,12 +151,13 @@ def test_pyvista_has_an_accessor(mesh):
     with pytest.warns(paradesc.ParadescWarning) as told:
         surface.paradesc.curvature(radius=1e-3)
     assert {one.filename for one in told} == {__file__}
-    measured = surface.paradesc.curvature(radius=0.1)
-    assert np.array_equal(measured["mean_curvature"], paradesc.compute(*mesh, radius=0.1)["mean_curvature"])
-    assert "mean_curvature" not in surface.point_data
-    faces = surface.paradesc.compute("curvedness", 0.1, domain="faces")
-    assert len(faces.cell_data["curvedness"]) == surface.n_cells
-    assert faces.active_scalars_name == "curvedness"
-    found = doctest.DocTestFinder().find(pyvista_accessor.ParadescAccessor, "accessor", globs={})
-    runner = doctest.DocTestRunner()
-    assert not [one for one in (runner.run(test) for test in found) if one.failed]
+    values = surface.paradesc.curvature(radius=0.1)
+    assert np.array_equal(values, paradesc.compute(*mesh, radius=0.1)["mean_curvature"])
+    assert np.array_equal(surface.point_data["mean_curvature"], values)
+    assert surface.paradesc.curvature("maximum", radius=(0.1, 0.2)).shape == (2, len(mesh[0]))
+    with pytest.raises(ValueError, match="curv_type is 'wobbly'; choose one of mean, gaussian, maximum, minimum"):
+        surface.paradesc.curvature("wobbly")
+    result = surface.paradesc.compute("curvedness", 0.1, domain="faces")
+    assert np.array_equal(surface.cell_data["curvedness"], result["curvedness"])
+    (test,) = doctest.DocTestFinder(recurse=False).find(pyvista_accessor.ParadescAccessor, "accessor", globs={})
+    assert not doctest.DocTestRunner().run(test).failed
