@@ -1,15 +1,12 @@
 """Makes mesh.paradesc of PyVista's surfaces, by its entry point pyvista.accessors (PyVista 0.48 and later)."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import pyvista
 
 from . import api
 from .numpy_api.options import choice_of
-from .numpy_api.result import Result
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 # The words of PyVista's own PolyData.curvature().
 CURVATURES = {
@@ -43,8 +40,8 @@ class ParadescAccessor:
         self._mesh = mesh
 
     def compute(
-        self, descriptors: "str | Sequence[str]" = ("mean_curvature",), radius: Any = 0.02, **options: Any
-    ) -> Result:
+        self, descriptors: str | Sequence[str] = ("mean_curvature",), radius: Any = 0.02, **options: Any
+    ) -> api.Result:
         """Adds descriptors, and the coverage, to point_data or, with domain="faces", to cell_data.
 
         Parameters

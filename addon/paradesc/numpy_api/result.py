@@ -127,26 +127,15 @@ class Result(Mapping[str, NDArray[np.float32]]):
     (2, 441)
     """
 
-    coverage: NDArray[np.float32]
-    mask: NDArray[np.uint8]
-    domain: str
-    units: dict[str, str]
-    radii: dict[str, float]
-    radius: float
-    corners: NDArray[np.int32]
-    warnings: list[str]
-    notes: list[str]
-    backend: str
-    device: str
-    report: dict[str, object]
-
     def __init__(self, results: Results) -> None:
         """Takes the results of a job."""
         self._values, settings = results.values, results.settings
         radii = (settings.options.radius, *settings.more_radii)
         pairs = [(name, radius) for radius in radii for name in settings.descriptors]
         self._names = dict(zip(pairs, settings.value_names(), strict=True))
-        self.coverage, self.mask, self.domain = results.coverage, results.mask, settings.domain
+        self.coverage: NDArray[np.float32] = results.coverage
+        self.mask: NDArray[np.uint8] = results.mask
+        self.domain = settings.domain
         map_name = settings.options.map_descriptor
         self.units = {name: legend.unit_of(name, map_name) for name in self}
         self.radii = {name: results.radius_of(name) for name in self}
