@@ -1,48 +1,32 @@
 """Makes mesh.paradesc of PyVista's surfaces, by its entry point pyvista.accessors (PyVista 0.48 and later)."""
 
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pyvista
 
 from . import api
-from .numpy_api.options import choice_of
 
-# The words of PyVista's own PolyData.curvature().
-CURVATURES = {
-    "mean": "mean_curvature",
-    "gaussian": "gaussian_curvature",
-    "maximum": "principal_curvature_max",
-    "minimum": "principal_curvature_min",
-}
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 @pyvista.register_dataset_accessor("paradesc", pyvista.PolyData)
 class ParadescAccessor:
-    """Measures a surface, and adds what it finds to the surface's own arrays.
+    """Measures a surface: mesh.paradesc.compute("curvedness", radius=0.05)["curvedness"].
 
     Parameters
     ----------
     mesh : pyvista.PolyData
         The surface.
-
-    Examples
-    --------
-    >>> import pyvista
-    >>> mesh = pyvista.Sphere(radius=2).triangulate()
-    >>> mesh.paradesc.curvature(radius=0.5, radius_unit="absolute").shape == (mesh.n_points,)
-    True
-    >>> mesh.point_data.keys()
-    ['Normals', 'mean_curvature', 'coverage']
     """
 
     def __init__(self, mesh: "pyvista.PolyData") -> None:
         self._mesh = mesh
 
     def compute(
-        self, descriptors: str | Sequence[str] = ("mean_curvature",), radius: Any = 0.02, **options: Any
-    ) -> api.Result:
-        """Adds descriptors, and the coverage, to point_data or, with domain="faces", to cell_data.
+        self, descriptors: "str | Sequence[str]" = ("mean_curvature",), radius: Any = 0.02, **options: Any
+    ) -> Any:
+        """A copy of the surface that has the values, as point_data or, with domain="faces", as cell_data.
 
         Parameters
         ----------
@@ -51,38 +35,47 @@ class ParadescAccessor:
 
         Returns
         -------
-        Result
-            As of paradesc.compute().
+        pyvista.PolyData
+            A copy with an array for each descriptor, and the coverage.
 
         Raises
         ------
-        InputError, TypeError, ParadescError
+        InputError, ParadescError
             As of paradesc.compute().
+
+        Examples
+        --------
+        >>> import pyvista
+        >>> measured = pyvista.ParametricTorus().clean().paradesc.compute("curvedness", radius=0.1)
+        >>> measured.active_scalars_name
+        'curvedness'
         """
         result = api.compute(self._mesh, descriptors=descriptors, radius=radius, **options)
-        result.to(self._mesh)
-        return result
+        measured = result.to(self._mesh.copy())
+        first = next(iter(result))
+        if result[first].ndim == 1:
+            measured.set_active_scalars(first, preference="cell" if result.domain == "faces" else "point")
+        return measured
 
-    def curvature(self, curv_type: str = "mean", radius: Any = 0.02, **options: Any) -> Any:
-        """Adds a curvature to point_data and returns it, as PyVista's own method of this name returns one.
+    def curvature(self, radius: Any = 0.02, **options: Any) -> Any:
+        """compute() of the mean and the Gaussian curvature, and of both principal ones.
 
         Parameters
         ----------
-        curv_type : {"mean", "gaussian", "maximum", "minimum"}
-            Which one; the array's name is that of the descriptor, such as "principal_curvature_max".
         radius, **options
             As paradesc.compute() takes them.
 
         Returns
         -------
-        (n,) float32
-            The array; with several radii (k, n).
+        pyvista.PolyData
+            A copy with an array for each curvature, and the coverage.
 
         Raises
         ------
-        InputError, TypeError, ParadescError
+        InputError, ParadescError
             As of paradesc.compute().
         """
-        name = CURVATURES[choice_of("curv_type", curv_type, CURVATURES)]
-        values = self.compute(name, radius, **options).over_radii(name)
-        return values if len(values) > 1 else values[0]
+        return self.compute(CURVATURES, radius, **options)
+
+
+CURVATURES = ("mean_curvature", "gaussian_curvature", "principal_curvature_max", "principal_curvature_min")
