@@ -1,6 +1,7 @@
 // Builds the tree level by level: each cluster joins the neighbor with which the union is roundest, measured in edges.
 #include "mesh/cluster_tree.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
@@ -222,28 +223,16 @@ PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
   return found;
 }
 
-namespace {
-
-struct PointSequence {
-  std::vector<int32_t> item, rank;
-
-  explicit PointSequence(std::vector<int32_t> points) : item(std::move(points)), rank(item.size()) {
-    for (size_t i = 0; i < item.size(); ++i) rank[item[i]] = static_cast<int32_t>(i);
+// Returns whether neighbors are about as near each other in the order of the input as in the rows of a square grid.
+static bool follow_each_other(const PointNeighbors &neighbors) {
+  const auto count = static_cast<int32_t>(neighbors.begin.size()) - 1;
+  double gaps = 0;
+  for (int32_t point = 0; point < count; ++point) {
+    checkpoint_at(point);
+    for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k) gaps += std::abs(neighbors.neighbor[k] - point);
   }
-
-  // How far apart neighbors are in this order, in all.
-  int64_t gaps(const PointNeighbors &neighbors) const {
-    int64_t sum = 0;
-    for (size_t point = 0; point < rank.size(); ++point) {
-      checkpoint_at(point);
-      for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k)
-        sum += std::abs(rank[neighbors.neighbor[k]] - rank[point]);
-    }
-    return sum;
-  }
-};
-
-} // namespace
+  return gaps * gaps <= count * std::pow(static_cast<double>(neighbors.neighbor.size()), 2);
+}
 
 // Lists the points component by component, each from its first point outwards.
 static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
@@ -266,20 +255,14 @@ static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
   return order;
 }
 
-// Clusters are round if neighbors follow each other closely in the order in which pairs are made. A grid's rows do, and points
-// that a subdivision appended do not.
-static PointSequence closest_sequence(const PointNeighbors &neighbors) {
-  std::vector<int32_t> input(neighbors.begin.size() - 1);
-  std::iota(input.begin(), input.end(), 0);
-  PointSequence given(std::move(input)), by_distance(outwards(neighbors));
-  return given.gaps(neighbors) <= by_distance.gaps(neighbors) ? std::move(given) : std::move(by_distance);
-}
-
+// Pairs are made in an order in which neighbors follow each other, so that clusters are round. The rows of a grid do, and the
+// points that a subdivision appended do not.
 ClusterTree build_point_tree(const PointNeighbors &neighbors) {
-  PointSequence sequence = closest_sequence(neighbors);
   ClusterTree tree;
-  tree.item = std::move(sequence.item);
-  tree.rank = std::move(sequence.rank);
+  tree.rank.resize(neighbors.begin.size() - 1);
+  std::iota(tree.rank.begin(), tree.rank.end(), 0);
+  tree.item = follow_each_other(neighbors) ? tree.rank : outwards(neighbors);
+  for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
   ClusterGraph graph;
   graph.link.reserve(neighbors.neighbor.size());
   for (const int32_t point : tree.item) {
