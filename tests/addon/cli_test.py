@@ -360,13 +360,11 @@ def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["spot.obj", "bob.obj", "human.obj"])
-def test_real_mesh_has_no_visible_seams(paradesc, tmp_path, name):
-    accepted(paradesc("compare", real_mesh(name), "--backend", "software", "--json", "rows.json"))
+def test_a_real_mesh_is_near_the_reference(paradesc, tmp_path, name):
+    accepted(paradesc("compare", real_mesh(name), "--backend", "cpu", "--json", "rows.json"))
     (row,) = json.loads((tmp_path / "rows.json").read_text())["rows"]
-    assert row["seam_error_mean"] <= 0.25
-    assert row["seam_error_p99"] <= 1.0
-    assert row["mean_percent_ae"] <= 1.0
-    assert row["coverage_mean"] > 0.99
+    assert row["mean_percent_ae"] <= 0.1
+    assert row["coverage_mean"] == 1.0
 
 
 @pytest.mark.skipif(not bpy.app.binary_path, reason="needs Blender's own executable")

@@ -53,7 +53,7 @@ def expect_the_eight(found, arrays, radius):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", ["software", "reference"])
+@pytest.mark.parametrize("backend", ["cpu", "reference"])
 def test_the_corners_of_a_rounded_cube_are_found_on_two_atlases(backend):
     points, quads, uvs = rounded_cube()
     settings = job.Settings(("harris",), bridge.Options(radius=0.05, buffer_size=512), backend)

@@ -1,11 +1,12 @@
 // Builds the tree level by level: each cluster joins the neighbor with which the union is roundest, measured in edges.
 #include "mesh/cluster_tree.h"
 
-#include <cmath>
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "support/cancel.h"
@@ -223,45 +224,65 @@ PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
   return found;
 }
 
-// Returns whether neighbors are about as near each other in the order of the input as in the rows of a square grid.
-static bool follow_each_other(const PointNeighbors &neighbors) {
-  const auto count = static_cast<int32_t>(neighbors.begin.size()) - 1;
-  double gaps = 0;
-  for (int32_t point = 0; point < count; ++point) {
-    checkpoint_at(point);
-    for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k) gaps += std::abs(neighbors.neighbor[k] - point);
+// Returns whether neighbors are about as near each other in this order of a component's points as in the rows of a square grid.
+// place: of each point in the order.
+static bool follow_each_other(const PointNeighbors &neighbors, std::span<const int32_t> points,
+                              const std::vector<int32_t> &place) {
+  double gaps = 0, links = 0;
+  for (const int32_t point : points) {
+    for (int32_t k = neighbors.begin[point]; k < neighbors.begin[point + 1]; ++k)
+      gaps += std::abs(place[neighbors.neighbor[k]] - place[point]);
+    links += neighbors.begin[point + 1] - neighbors.begin[point];
   }
-  return gaps * gaps <= count * std::pow(static_cast<double>(neighbors.neighbor.size()), 2);
+  return gaps * gaps <= static_cast<double>(points.size()) * links * links;
 }
 
-// Lists the points component by component, each from its first point outwards.
-static std::vector<int32_t> outwards(const PointNeighbors &neighbors) {
-  const size_t count = neighbors.begin.size() - 1;
-  std::vector<uint8_t> is_listed(count, 0);
-  std::vector<int32_t> order;
-  order.reserve(count);
-  const auto list = [&](int32_t point) {
-    if (is_listed[point]) return;
-    is_listed[point] = 1;
-    order.push_back(point);
-  };
-  for (size_t first = 0, next = 0; first < count; ++first) {
-    list(static_cast<int32_t>(first));
-    for (; next < order.size(); ++next) {
-      checkpoint_at(next);
-      for (int32_t k = neighbors.begin[order[next]]; k < neighbors.begin[order[next] + 1]; ++k) list(neighbors.neighbor[k]);
+// The points component by component, each from its first point outwards.
+struct Components {
+  std::vector<int32_t> point, begin{0};
+  std::vector<int32_t> of_point;
+
+  explicit Components(const PointNeighbors &neighbors) : of_point(neighbors.begin.size() - 1, -1) {
+    point.reserve(of_point.size());
+    for (size_t first = 0; first < of_point.size(); ++first) {
+      if (of_point[first] >= 0) continue;
+      const auto component = static_cast<int32_t>(begin.size()) - 1;
+      const auto list = [&](int32_t other) {
+        if (std::exchange(of_point[other], component) < 0) point.push_back(other);
+      };
+      list(static_cast<int32_t>(first));
+      for (auto next = static_cast<size_t>(begin.back()); next < point.size(); ++next) {
+        checkpoint_at(next);
+        for (int32_t k = neighbors.begin[point[next]]; k < neighbors.begin[point[next] + 1]; ++k) list(neighbors.neighbor[k]);
+      }
+      begin.push_back(static_cast<int32_t>(point.size()));
     }
   }
-  return order;
+};
+
+// Returns an order in which neighbors follow each other: for each component that of the input, or outwards. The rows of a grid
+// follow each other, and the points that a subdivision appended do not.
+static std::vector<int32_t> order_for_pairs(const PointNeighbors &neighbors) {
+  Components components(neighbors);
+  std::vector<int32_t> input(components.point.size()), place(input.size()), next = components.begin;
+  for (size_t point = 0; point < place.size(); ++point) {
+    checkpoint_at(point);
+    place[point] = next[components.of_point[point]]++;
+    input[place[point]] = static_cast<int32_t>(point);
+  }
+  for (size_t i = 0; i + 1 < components.begin.size(); ++i) {
+    checkpoint_at(i);
+    const int32_t begin = components.begin[i], count = components.begin[i + 1] - begin;
+    if (follow_each_other(neighbors, std::span(input).subspan(begin, count), place))
+      std::copy_n(input.begin() + begin, count, components.point.begin() + begin);
+  }
+  return std::move(components.point);
 }
 
-// Pairs are made in an order in which neighbors follow each other, so that clusters are round. The rows of a grid do, and the
-// points that a subdivision appended do not.
 ClusterTree build_point_tree(const PointNeighbors &neighbors) {
   ClusterTree tree;
-  tree.rank.resize(neighbors.begin.size() - 1);
-  std::iota(tree.rank.begin(), tree.rank.end(), 0);
-  tree.item = follow_each_other(neighbors) ? tree.rank : outwards(neighbors);
+  tree.item = order_for_pairs(neighbors);
+  tree.rank.resize(tree.item.size());
   for (size_t i = 0; i < tree.item.size(); ++i) tree.rank[tree.item[i]] = static_cast<int32_t>(i);
   ClusterGraph graph;
   graph.link.reserve(neighbors.neighbor.size());
