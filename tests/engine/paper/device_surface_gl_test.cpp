@@ -1,4 +1,4 @@
-// What the device makes of a mesh against what the processor makes of it: places.
+// Compares the places that the device makes of a mesh with those that the processor makes of it.
 #include "engine/paper/device_surface.h"
 
 #include <limits>

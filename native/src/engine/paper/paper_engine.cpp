@@ -42,7 +42,7 @@ static bool reads_map(std::span<const int> descriptors) {
   return std::ranges::any_of(descriptors, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
 }
 
-// What centers leave on the device between the dispatches of their samples.
+// Returns the bytes that centers keep on the device between the dispatches of their samples.
 static int64_t bytes_of_marches(const pdesc_options &options, int64_t centers) {
   constexpr int64_t of_sums = 2048;
   if (options.relocation != PDESC_RELOCATION_PAPER) return std::min<int64_t>(centers, most_centers_of_affine) * of_sums;
