@@ -144,8 +144,9 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
 
 const Facets &facets_of(Mesh &mesh, const pdesc_options &options) {
   const NormalsOnDemand normals = normals_of(mesh, options);
-  return mesh.facets.get(normals.key,
-                         [&] { return find_facets(mesh.triangles, mesh.half_edges, normals(), creases_of(mesh, options)); });
+  return mesh.facets.get(normals.key, [&] {
+    return find_facets(mesh.triangles, mesh.half_edges, normals(), creases_of(mesh, options), mesh.context->threads);
+  });
 }
 
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {

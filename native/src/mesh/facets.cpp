@@ -1,5 +1,5 @@
 // Grows facets from triangle to triangle: each triangle must fit what the earlier ones have in common. Then outlines are traced
-// and straightened.
+// and straightened. Components are independent of each other, so that those of many parts are built in parallel.
 #include "mesh/facets.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "mesh/steady_faces.h"
 #include "support/angle.h"
-#include "support/cancel.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -135,14 +135,20 @@ private:
   bool is_open_ = false;
 };
 
+// Builds the facets of some components, and numbers them from 0; move_to() gives them their numbers among all.
 class Building {
 public:
-  Building(const Mesh &mesh, Facets &facets) : mesh_(mesh), facets_(facets) {}
+  Building(const Mesh &mesh, Facets &all) : mesh_(mesh), all_(all) {}
 
-  void grow(int32_t seed);
+  void grow(std::span<const int32_t> triangles);
   void trace();
+  size_t facets() const { return facet_.size(); }
+  size_t sides() const { return side_.size(); }
+  size_t outlines() const { return outline_.size(); }
+  void move_to(int32_t first_facet, int32_t first_side, int32_t first_outline);
 
 private:
+  void grow_from(int32_t seed);
   int32_t behind(int32_t half_edge) const; // a facet; ~t for a triangle t that is in none; ~triangle_count at boundaries
   bool is_outline(int32_t half_edge, int32_t facet) const {
     return mesh_.creases.contains(half_edge) || behind(half_edge) != facet;
@@ -154,74 +160,84 @@ private:
   bool is_convex(const Facet &facet) const;
 
   const Mesh &mesh_;
-  Facets &facets_;
+  Facets &all_;
+  std::vector<Facet> facet_; // as in Facets, like the next two
+  std::vector<FacetSide> side_;
+  std::vector<int32_t> outline_;
+  std::vector<int32_t> loop_;
   std::vector<int32_t> member_, member_begin_{0}; // triangles, facet after facet
 };
 
-void Building::grow(int32_t seed) {
-  if (facets_.of_triangle[seed] >= 0 || mesh_.half_edges.corner_point[3 * seed] < 0) return;
+void Building::grow(std::span<const int32_t> triangles) {
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    checkpoint_at(i);
+    grow_from(triangles[i]);
+  }
+}
+
+void Building::grow_from(int32_t seed) {
+  if (all_.of_triangle[seed] >= 0 || mesh_.half_edges.corner_point[3 * seed] < 0) return;
   const dvec3 product = mesh_.product(seed);
   if (!(glm::dot(product, product) > 0) || mesh_.is_needle(seed)) return;
-  const auto index = static_cast<int32_t>(facets_.facet.size());
+  const auto index = static_cast<int32_t>(facet_.size());
   const size_t first = member_.size();
   Common common(mesh_, seed, product);
-  facets_.of_triangle[seed] = index;
+  all_.of_triangle[seed] = index;
   member_.push_back(seed);
   for (size_t looked = first; looked < member_.size(); ++looked)
     for (int32_t edge = 3 * member_[looked], end = edge + 3; edge < end; ++edge) {
       const int32_t twin = mesh_.half_edges.twin[edge];
-      if (twin < 0 || mesh_.creases.contains(edge) || facets_.of_triangle[twin / 3] >= 0) continue;
+      if (twin < 0 || mesh_.creases.contains(edge) || all_.of_triangle[twin / 3] >= 0) continue;
       if (!common.lies_in_plane(previous_corner(twin)) || !common.takes(twin / 3)) continue;
       common.add(twin / 3);
-      facets_.of_triangle[twin / 3] = index;
+      all_.of_triangle[twin / 3] = index;
       member_.push_back(twin / 3);
     }
   if (member_.size() == first + 1) {
     member_.pop_back();
-    facets_.of_triangle[seed] = -1;
+    all_.of_triangle[seed] = -1;
     return;
   }
   member_begin_.push_back(static_cast<int32_t>(member_.size()));
-  facets_.facet.push_back(common.facet());
+  facet_.push_back(common.facet());
 }
 
 int32_t Building::behind(int32_t half_edge) const {
   const int32_t twin = mesh_.half_edges.twin[half_edge];
   if (twin < 0) return ~mesh_.triangles.triangle_count;
-  const int32_t facet = facets_.of_triangle[twin / 3];
+  const int32_t facet = all_.of_triangle[twin / 3];
   return facet >= 0 ? facet : ~(twin / 3);
 }
 
 void Building::trace() {
-  if (facets_.facet.empty()) return;
-  facets_.side_of.assign(mesh_.half_edges.twin.size(), -1);
-  for (int32_t facet = 0; facet < static_cast<int32_t>(facets_.facet.size()); ++facet) {
+  for (int32_t facet = 0; facet < static_cast<int32_t>(facet_.size()); ++facet) {
     if (facet % 1024 == 0) checkpoint();
     trace(facet);
   }
 }
 
 void Building::trace(int32_t facet) {
-  Facet &of = facets_.facet[facet];
-  of.side_begin = static_cast<int32_t>(facets_.side.size());
+  Facet &of = facet_[facet];
+  of.side_begin = static_cast<int32_t>(side_.size());
   int loops = 0;
   for (int32_t m = member_begin_[facet]; m < member_begin_[facet + 1]; ++m)
     for (int32_t edge = 3 * member_[m], end = edge + 3; edge < end; ++edge) {
-      if (facets_.side_of[edge] >= 0 || !is_outline(edge, facet)) continue;
+      if (all_.side_of[edge] >= 0 || !is_outline(edge, facet)) continue;
       add_loop(facet, edge);
       ++loops;
     }
-  of.side_end = static_cast<int32_t>(facets_.side.size());
+  of.side_end = static_cast<int32_t>(side_.size());
   finish(facet, loops);
 }
 
 void Building::add_loop(int32_t facet, int32_t half_edge) {
-  std::vector<int32_t> loop;
+  std::vector<int32_t> &loop = loop_;
+  loop.clear();
   for (int32_t edge = half_edge; loop.empty() || edge != half_edge;) {
     loop.push_back(edge);
     for (edge = next_corner(edge); !is_outline(edge, facet);) edge = next_corner(mesh_.half_edges.twin[edge]);
   }
-  const Facet &of = facets_.facet[facet];
+  const Facet &of = facet_[facet];
   const auto place = [&](int32_t corner) { return of.axes.of(mesh_.place(corner) - of.middle); };
   const auto goes_on = [&](Sleeve &sleeve, int32_t before, int32_t edge) {
     return behind(edge) == behind(before) && mesh_.creases.contains(edge) == mesh_.creases.contains(before) &&
@@ -247,21 +263,21 @@ void Building::add_side(int32_t facet, std::span<const int32_t> half_edges) {
   const int32_t first = half_edges.front(), twin = mesh_.half_edges.twin[first];
   FacetSide side{mesh_.place(first), mesh_.place(next_corner(half_edges.back())), 0, -1, 0, 0, false};
   if (twin >= 0) {
-    side.neighbor = facets_.of_triangle[twin / 3];
+    side.neighbor = all_.of_triangle[twin / 3];
     const dvec3 other =
-        side.neighbor >= 0 ? facets_.facet[side.neighbor].normal : steady_normal(mesh_.triangles, mesh_.half_edges, twin / 3);
-    side.bend = bend_between(facets_.facet[facet].normal, other, side.end - side.begin);
+        side.neighbor >= 0 ? facet_[side.neighbor].normal : steady_normal(mesh_.triangles, mesh_.half_edges, twin / 3);
+    side.bend = bend_between(facet_[facet].normal, other, side.end - side.begin);
   }
-  side.half_edge = static_cast<int32_t>(facets_.outline.size());
+  side.half_edge = static_cast<int32_t>(outline_.size());
   side.half_edges = static_cast<int32_t>(half_edges.size());
   side.is_crease = mesh_.creases.contains(first);
-  for (const int32_t edge : half_edges) facets_.side_of[edge] = static_cast<int32_t>(facets_.side.size());
-  facets_.outline.insert(facets_.outline.end(), half_edges.begin(), half_edges.end());
-  facets_.side.push_back(side);
+  for (const int32_t edge : half_edges) all_.side_of[edge] = static_cast<int32_t>(side_.size());
+  outline_.insert(outline_.end(), half_edges.begin(), half_edges.end());
+  side_.push_back(side);
 }
 
 void Building::finish(int32_t index, int loops) {
-  Facet &facet = facets_.facet[index];
+  Facet &facet = facet_[index];
   facet.is_convex = loops == 1 && is_convex(facet);
   for (int32_t m = member_begin_[index]; m < member_begin_[index + 1]; ++m) {
     std::array<dvec2, 4> corners{}; // the corners and their sum
@@ -279,7 +295,7 @@ void Building::finish(int32_t index, int loops) {
     }
   }
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
-    const FacetSide &side = facets_.side[s];
+    const FacetSide &side = side_[s];
     const dvec2 along = facet.axes.of(side.end - side.begin);
     const double length = glm::length(along);
     if (side.is_crease || !(length > 0)) continue;
@@ -294,7 +310,7 @@ void Building::finish(int32_t index, int loops) {
 bool Building::is_convex(const Facet &facet) const {
   double turned = 0;
   for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
-    const FacetSide &side = facets_.side[s], &next = facets_.side[s + 1 < facet.side_end ? s + 1 : facet.side_begin];
+    const FacetSide &side = side_[s], &next = side_[s + 1 < facet.side_end ? s + 1 : facet.side_begin];
     const dvec2 here = facet.axes.of(side.end - side.begin), there = facet.axes.of(next.end - next.begin);
     const double turn = cross(here, there);
     if (turn < -mesh_.flat * std::max(glm::length(here), glm::length(there))) return false;
@@ -302,6 +318,49 @@ bool Building::is_convex(const Facet &facet) const {
   }
   constexpr double rounding = 1e-3;
   return turned < 2 * pi + rounding;
+}
+
+void Building::move_to(int32_t first_facet, int32_t first_side, int32_t first_outline) {
+  for (const int32_t triangle : member_) all_.of_triangle[triangle] += first_facet;
+  for (const int32_t half_edge : outline_) all_.side_of[half_edge] += first_side;
+  for (Facet &facet : facet_) {
+    facet.side_begin += first_side;
+    facet.side_end += first_side;
+  }
+  for (FacetSide &side : side_) {
+    if (side.neighbor >= 0) side.neighbor += first_facet;
+    side.half_edge += first_outline;
+  }
+  std::ranges::copy(facet_, all_.facet.begin() + first_facet);
+  std::ranges::copy(side_, all_.side.begin() + first_side);
+  std::ranges::copy(outline_, all_.outline.begin() + first_outline);
+}
+
+// The triangles of each block of components, ascending within each component.
+struct ComponentBlocks {
+  std::vector<int32_t> triangle, begin; // begin: (blocks + 1)
+  std::span<const int32_t> of(int block) const {
+    return std::span(triangle).subspan(static_cast<size_t>(begin[block]), static_cast<size_t>(begin[block + 1] - begin[block]));
+  }
+};
+
+ComponentBlocks blocks_of_components(const std::vector<int32_t> &piece_of_triangle) {
+  constexpr int32_t least = 4096; // triangles of a block
+  int32_t pieces = 0;
+  for (const int32_t piece : piece_of_triangle) pieces = std::max(pieces, piece + 1);
+  std::vector<int32_t> next(static_cast<size_t>(pieces) + 1, 0);
+  for (const int32_t piece : piece_of_triangle)
+    if (piece >= 0) ++next[piece + 1];
+  ComponentBlocks blocks;
+  blocks.begin.push_back(0);
+  for (int32_t piece = 0; piece < pieces; ++piece) {
+    next[piece + 1] += next[piece];
+    if (next[piece + 1] - blocks.begin.back() >= least || piece + 1 == pieces) blocks.begin.push_back(next[piece + 1]);
+  }
+  blocks.triangle.resize(static_cast<size_t>(next[pieces]));
+  for (size_t t = 0; t < piece_of_triangle.size(); ++t)
+    if (const int32_t piece = piece_of_triangle[t]; piece >= 0) blocks.triangle[next[piece]++] = static_cast<int32_t>(t);
+  return blocks;
 }
 
 } // namespace
@@ -312,17 +371,32 @@ Facets no_facets(const Triangles &triangles) {
   return facets;
 }
 
-Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases) {
+Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases,
+                   int threads) {
   Facets facets = no_facets(triangles);
   const Box box = bounding_box(triangles, half_edges);
   const dvec3 largest = glm::max(glm::abs(box.low), glm::abs(box.high));
   const Mesh mesh{triangles, half_edges, normals, creases, flatness * std::max({largest.x, largest.y, largest.z})};
-  Building building(mesh, facets);
-  for (int32_t t = 0; t < triangles.triangle_count; ++t) {
-    if (t % 1024 == 0) checkpoint();
-    building.grow(t);
-  }
-  building.trace();
+  const ComponentBlocks blocks = blocks_of_components(half_edges.triangle_piece);
+  std::vector<Building> building(blocks.begin.size() - 1, Building(mesh, facets));
+  const auto count = static_cast<int>(building.size());
+  parallel_blocks(count, threads, 1, [&](int i, int) { building[i].grow(blocks.of(i)); });
+  const auto total = [&](const auto &number) { // where each begins, and the sum
+    std::vector<int32_t> begin{0};
+    for (const Building &one : building) begin.push_back(begin.back() + static_cast<int32_t>(number(one)));
+    return begin;
+  };
+  const std::vector<int32_t> first_facet = total([](const Building &one) { return one.facets(); });
+  if (first_facet.back() == 0) return facets;
+  facets.side_of.assign(half_edges.twin.size(), -1);
+  parallel_blocks(count, threads, 1, [&](int i, int) { building[i].trace(); });
+  const std::vector<int32_t> first_side = total([](const Building &one) { return one.sides(); }),
+                             first_outline = total([](const Building &one) { return one.outlines(); });
+  facets.facet.resize(static_cast<size_t>(first_facet.back()));
+  facets.side.resize(static_cast<size_t>(first_side.back()));
+  facets.outline.resize(static_cast<size_t>(first_outline.back()));
+  parallel_blocks(count, threads, 1,
+                  [&](int i, int) { Building(std::move(building[i])).move_to(first_facet[i], first_side[i], first_outline[i]); });
   return facets;
 }
 

@@ -11,6 +11,7 @@
 #include "mesh/normal_gradient.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
+#include "support/unset.h"
 
 namespace paradesc {
 
@@ -40,10 +41,12 @@ struct Facet {
 struct Facets {
   std::vector<int32_t> of_triangle; // (triangle_count) -1: by itself
   std::vector<int32_t> side_of;     // (3 * triangle_count) of a half-edge on an outline; else -1
-  std::vector<Facet> facet;
-  std::vector<FacetSide> side;  // facet after facet, loop after loop, counter-clockwise
-  std::vector<int32_t> outline; // half-edges, side after side
+  UnsetVector<Facet> facet;
+  UnsetVector<FacetSide> side;  // facet after facet, loop after loop, counter-clockwise
+  UnsetVector<int32_t> outline; // half-edges, side after side
 
+  // Returns the angle by which the surface turns at a half-edge of a facet.
+  double bend_at(int32_t half_edge) const { return side_of[half_edge] >= 0 ? side[side_of[half_edge]].bend : 0; }
   std::span<const int32_t> half_edges(const FacetSide &s) const {
     return std::span(outline).subspan(static_cast<size_t>(s.half_edge), static_cast<size_t>(s.half_edges));
   }
@@ -52,6 +55,7 @@ struct Facets {
 // The result without facets: every triangle stays by itself.
 Facets no_facets(const Triangles &triangles);
 // Finds facets of at least two triangles each; none extends across a crease.
-Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases);
+Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases,
+                   int threads = 0);
 
 } // namespace paradesc

@@ -42,13 +42,15 @@ static double bend_of(const CreasedSurface &surface, int32_t half_edge, dvec3 no
   const Facets &facets = surface.facets;
   const int32_t twin = surface.half_edges.twin[half_edge];
   for (const int32_t edge : {half_edge, twin})
-    if (edge >= 0 && facets.of_triangle[edge / 3] >= 0) {
-      const int32_t side = facets.side_of[edge];
-      return side >= 0 ? facets.side[side].bend : 0;
-    }
+    if (edge >= 0 && facets.of_triangle[edge / 3] >= 0) return facets.bend_at(edge);
   if (twin < 0) return 0;
   return bend_between(normal, steady_normal(surface.triangles, surface.half_edges, twin / 3),
                       along(surface.triangles, half_edge));
+}
+
+double FaceRows::bend_at(int32_t half_edge) const {
+  if (surface_.facets.of_triangle[half_edge / 3] >= 0) return surface_.facets.bend_at(half_edge);
+  return static_cast<double>(of(half_edge / 3).bend[half_edge % 3]);
 }
 
 FaceRows::FaceRows(const CreasedSurface &surface, double radius) : surface_(surface), radius_(radius) {

@@ -61,6 +61,8 @@ public:
       provide(triangle, row);
     return row;
   }
+  // Returns the angle by which the surface turns at a half-edge, positive if convex; 0 at boundaries. Needs no row in a facet.
+  double bend_at(int32_t half_edge) const;
   void prefetch(int32_t triangle) const { __builtin_prefetch(rows_ + triangle); }
 
 private:

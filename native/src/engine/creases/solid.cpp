@@ -93,8 +93,7 @@ void SolidMeasure::add_own_edges(Tensor &tensor) const {
     const dvec3 edge = dvec3(surface_.triangles.position(next_corner(corner))) - center_.position;
     const double length = glm::length(edge);
     if (length > 0)
-      tensor.add(static_cast<double>(shared_.rows.of(corner / 3).bend[corner % 3]),
-                 dvec2(-glm::dot(edge, center_.t2), glm::dot(edge, center_.t1)) / length);
+      tensor.add(shared_.rows.bend_at(corner), dvec2(-glm::dot(edge, center_.t2), glm::dot(edge, center_.t1)) / length);
     corner = surface_.half_edges.twin[previous_corner(corner)];
     if (corner == first) break;
   }
