@@ -106,16 +106,24 @@ SphereSets sphere(const CenterLanes &centers, const float *middle, float reach) 
   return sets;
 }
 
-uint32_t dips(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to) {
-  const Vector<3, Lanes> a = place_of(surface.position, from), way = place_of(surface.position, to) - a;
-  const Lanes length = square_of(way);
-  uint32_t bits = 0;
-  for (int first = 0; first < group_lanes; first += lane_count) {
-    const Vector<3, Lanes> offset = a - load3(centers.position, first);
-    const Lanes beyond = square_of(offset) - centers.radius * centers.radius, along = -1.0f * dot(offset, way);
-    bits |= bits_of(along > 0.0f && along < length && beyond * length < along * along) << first;
+int32_t dips(const PatchArrays &surface, const CenterLanes &centers, OpenEdge *edges, int32_t count) {
+  const float square = centers.radius * centers.radius;
+  int32_t found = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    OpenEdge edge = edges[i];
+    const Vector<3, Lanes> a = place_of(surface.position, edge.from), way = place_of(surface.position, edge.to) - a;
+    const Lanes length = square_of(way);
+    uint32_t bits = 0;
+    for (int first = 0; first < group_lanes; first += lane_count) {
+      const Vector<3, Lanes> offset = a - load3(centers.position, first);
+      const Lanes beyond = square_of(offset) - square, along = -1.0f * dot(offset, way);
+      bits |= bits_of(along > 0.0f && along < length && beyond * length < along * along) << first;
+    }
+    edge.centers &= bits;
+    edges[found] = edge;
+    found += edge.centers != 0;
   }
-  return bits;
+  return found;
 }
 
 // ---- Lists

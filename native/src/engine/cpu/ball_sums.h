@@ -111,6 +111,12 @@ struct GroupLists {
 inline constexpr int ball_sums = 9;
 using BallSums = float[ball_sums][group_lanes];
 
+// An edge with both ends outside the balls of some centers.
+struct OpenEdge {
+  int32_t half_edge, from, to; // from, to: nodes
+  uint32_t centers;
+};
+
 struct SphereSets {
   uint32_t within, touched;
 };
@@ -128,8 +134,8 @@ struct BallTarget {
   void (*look)(const PatchArrays &surface, const CenterLanes &centers, NearPatches &near);
   // Returns the sets of centers whose balls contain a sphere, and whose balls it may touch.
   SphereSets (*sphere)(const CenterLanes &centers, const float *middle, float reach);
-  // Returns the set of centers whose balls the edge between two points outside of them meets.
-  uint32_t (*dips)(const PatchArrays &surface, const CenterLanes &centers, int32_t from, int32_t to);
+  // Keeps the edges that meet balls with both ends outside, with these centers only, and returns their number.
+  int32_t (*dips)(const PatchArrays &surface, const CenterLanes &centers, OpenEdge *edges, int32_t count);
   void (*add)(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,
               BallSums &sums);
 };

@@ -3,9 +3,11 @@
 
 namespace paradesc {
 
+static constexpr uint32_t never = ~uint32_t{0}, all_centers = (uint32_t{1} << group_lanes) - 1;
+
 PointFlood::PointFlood(const PointPatches &patches, const PatchArrays &surface, const BallTarget &target)
     : patches_(patches), surface_(surface), target_(target), dipped_(patches.triangle.size(), 0),
-      missed_(static_cast<size_t>(patches.patches()), 0), met_(missed_) {}
+      state_(static_cast<size_t>(patches.patches()), PatchState{never, never, 0, 0}) {}
 
 uint32_t PointFlood::run(const CenterLanes &centers, const FloodStart *starts, NearPatches &near) {
   for (int32_t i = 0; i < centers.count; ++i) {
@@ -29,6 +31,7 @@ uint32_t PointFlood::run(const CenterLanes &centers, const FloodStart *starts, N
   }
   if (!spread(near) || borders || is_long)
     while (dip(centers, near)) spread(near);
+  for (int32_t i = 0; i < near.patches; ++i) state_[near.patch[i].patch] = {never, never, 0, 0};
   if (patches_.clusters() > 0) find_clusters(centers, near);
   return borders ? boundary(centers, near) : 0;
 }
@@ -90,82 +93,105 @@ void PointFlood::find_clusters(const CenterLanes &centers, NearPatches &near) co
   }
 }
 
+// Finds for each patch the balls in which its points are reached and not reached, and whether more is reached than before.
+void PointFlood::look_at_patches(const NearPatches &near) {
+  for (int32_t i = 0; i < near.patches; ++i) {
+    const int32_t patch = near.patch[i].patch;
+    uint32_t missed = 0, met = 0, reached = 0;
+    for (int32_t node = patches_.patch_begin[patch]; node < patches_.patch_begin[patch + 1]; ++node) {
+      missed |= near.in[node] & ~uint32_t{near.reached[node]};
+      met |= near.reached[node];
+      reached += near.reached[node];
+    }
+    state_[patch] = {reached, state_[patch].reached, static_cast<uint16_t>(missed), static_cast<uint16_t>(met)};
+  }
+  for (const int32_t triangle : dipped_triangles_) {
+    PatchState &state = state_[patches_.patch_of[patches_.corner[3 * triangle]]];
+    state.met |= dipped_[triangle];
+    state.reached += dipped_[triangle];
+  }
+}
+
 // Finds patches that, together with adjacent ones, have both reached and missing points in some ball, patches at the boundary,
-// and patches with long edges.
+// and patches with long edges, unless nothing has changed there since edges were last looked at.
 void PointFlood::find_open(const NearPatches &near) {
   open_.clear();
   for (int32_t i = 0; i < near.patches; ++i) {
     const int32_t patch = near.patch[i].patch;
-    uint32_t missed = 0, met = 0;
-    for (int32_t node = patches_.patch_begin[patch]; node < patches_.patch_begin[patch + 1]; ++node) {
-      missed |= near.in[node] & ~uint32_t{near.reached[node]};
-      met |= near.reached[node];
-    }
-    missed_[patch] = static_cast<uint16_t>(missed);
-    met_[patch] = static_cast<uint16_t>(met);
-  }
-  for (const int32_t triangle : dipped_triangles_) met_[patches_.patch_of[patches_.corner[3 * triangle]]] |= dipped_[triangle];
-  for (int32_t i = 0; i < near.patches; ++i) {
-    const int32_t patch = near.patch[i].patch;
-    uint32_t missed = missed_[patch], met = met_[patch];
+    uint32_t missed = state_[patch].missed, met = state_[patch].met;
+    bool has_changed = state_[patch].has_changed();
     for (int32_t k = patches_.link_begin[patch]; k < patches_.link_begin[patch + 1]; ++k) {
-      missed |= missed_[patches_.link[k]];
-      met |= met_[patches_.link[k]];
+      const PatchState &linked = state_[patches_.link[k]];
+      missed |= linked.missed;
+      met |= linked.met;
+      has_changed = has_changed || linked.has_changed();
     }
+    if (!has_changed) continue;
     const bool borders = patches_.edge_begin[patch] < patches_.edge_begin[patch + 1];
-    if ((missed & met) != 0 || borders || surface_.has_long_edge[patch] != 0) open_.push_back(patch);
+    const uint32_t centers = borders || surface_.has_long_edge[patch] != 0 ? all_centers : missed & met;
+    if (centers != 0) open_.push_back({patch, centers});
   }
-  for (int32_t i = 0; i < near.patches; ++i) missed_[near.patch[i].patch] = met_[near.patch[i].patch] = 0;
-  for (const int32_t triangle : dipped_triangles_) met_[patches_.patch_of[patches_.corner[3 * triangle]]] = 0;
+}
+
+// Lists the edges with both ends outside balls from which a triangle beside them is reached, and returns their number.
+int32_t PointFlood::list_edges(const NearPatches &near) {
+  size_t count = 0;
+  for (const auto [patch, centers] : open_) {
+    const int32_t begin = patches_.triangle_begin[patch], end = patches_.triangle_begin[patch + 1];
+    if (const size_t room = count + 3 * static_cast<size_t>(end - begin); edges_.size() < room) edges_.resize(2 * room);
+    for (int32_t t = begin; t < end; ++t) {
+      const int32_t *const corner = &patches_.corner[3 * t];
+      const uint32_t dipped = dipped_[t];
+      for (int32_t k = 0; k < 3; ++k) { // without branches, since which triangles the rim cuts is unpredictable
+        const int32_t from = corner[k], to = corner[(k + 1) % 3];
+        const uint32_t reached = near.reached[corner[(k + 2) % 3]] | dipped;
+        edges_[count] = {3 * t + k, from, to, reached & ~uint32_t{near.in[from]} & ~uint32_t{near.in[to]} & centers};
+        count += edges_[count].centers != 0;
+      }
+    }
+  }
+  return static_cast<int32_t>(count);
 }
 
 // Continues across edges that dip into balls. Returns whether that reached anything new.
 bool PointFlood::dip(const CenterLanes &centers, NearPatches &near) {
+  look_at_patches(near);
   find_open(near);
+  const int32_t dipping = target_.dips(surface_, centers, edges_.data(), list_edges(near));
   bool found = false;
-  for (const int32_t patch : open_)
-    for (int32_t t = patches_.triangle_begin[patch]; t < patches_.triangle_begin[patch + 1]; ++t) {
-      const int32_t *const corner = &patches_.corner[3 * t];
-      const uint32_t dipped = dipped_[t],
-                     reached[3] = {near.reached[corner[0]], near.reached[corner[1]], near.reached[corner[2]]};
-      if ((dipped | reached[0] | reached[1] | reached[2]) == 0) continue;
-      const uint32_t in[3] = {near.in[corner[0]], near.in[corner[1]], near.in[corner[2]]};
-      for (int k = 0; k < 3; ++k) {
-        const uint32_t open = (reached[(k + 2) % 3] | dipped) & ~in[k] & ~in[(k + 1) % 3];
-        if (open != 0 && dip_over(centers, near, 3 * t + k, open)) found = true;
-      }
-    }
+  for (int32_t i = 0; i < dipping; ++i) found |= go_over(near, edges_[static_cast<size_t>(i)]);
   return found;
 }
 
 static int32_t next_in_triangle(int32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-// open: the centers that reach the triangle of the half-edge, but neither of its ends.
-bool PointFlood::dip_over(const CenterLanes &centers, NearPatches &near, int32_t half_edge, uint32_t open) {
-  const int32_t twin = patches_.twin[half_edge];
+// Reaches the triangle across an edge. Returns whether it was not reached from some of the edge's centers.
+bool PointFlood::go_over(NearPatches &near, const OpenEdge &edge) {
+  const int32_t twin = patches_.twin[edge.half_edge];
   if (twin < 0) return false;
   const int32_t behind = patches_.corner[next_in_triangle(next_in_triangle(twin))], triangle = twin / 3;
-  open &= ~uint32_t{near.reached[behind]} & ~uint32_t{dipped_[triangle]};
-  if (open == 0) return false;
-  const uint32_t over = open &
-                        target_.dips(surface_, centers, patches_.corner[half_edge], patches_.corner[next_in_triangle(half_edge)]),
+  const uint32_t over = edge.centers & ~uint32_t{near.reached[behind]} & ~uint32_t{dipped_[triangle]},
                  in = over & near.in[behind];
   near.reached[behind] = static_cast<uint16_t>(near.reached[behind] | in);
   if ((over & ~in) != 0) dip_into(triangle, over & ~in);
   return over != 0;
 }
 
-uint32_t PointFlood::boundary(const CenterLanes &centers, const NearPatches &near) const {
+uint32_t PointFlood::boundary(const CenterLanes &centers, const NearPatches &near) {
   uint32_t found = 0;
+  size_t open = 0;
   for (int32_t i = 0; i < near.patches; ++i)
     for (int32_t k = patches_.edge_begin[near.patch[i].patch]; k < patches_.edge_begin[near.patch[i].patch + 1]; ++k) {
       const int32_t edge = patches_.edge[k], next = next_in_triangle(edge), from = patches_.corner[edge],
                     to = patches_.corner[next];
       found |= near.reached[from] | uint32_t{near.reached[to]};
-      const uint32_t open = (near.reached[patches_.corner[next_in_triangle(next)]] | uint32_t{dipped_[edge / 3]}) &
-                            ~uint32_t{near.in[from]} & ~uint32_t{near.in[to]} & ~found;
-      if (open != 0) found |= open & target_.dips(surface_, centers, from, to);
+      const uint32_t reached = near.reached[patches_.corner[next_in_triangle(next)]] | uint32_t{dipped_[edge / 3]};
+      if (open == edges_.size()) edges_.resize(2 * open + 64);
+      edges_[open] = {edge, from, to, reached & ~uint32_t{near.in[from]} & ~uint32_t{near.in[to]}};
+      open += edges_[open].centers != 0;
     }
+  const int32_t dipping = target_.dips(surface_, centers, edges_.data(), static_cast<int32_t>(open));
+  for (int32_t i = 0; i < dipping; ++i) found |= edges_[static_cast<size_t>(i)].centers;
   return found;
 }
 

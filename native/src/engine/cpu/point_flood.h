@@ -36,18 +36,30 @@ private:
   uint32_t around(const NearPatches &near, int32_t node) const;
   bool spread(NearPatches &near) const;
   bool dip(const CenterLanes &centers, NearPatches &near);
+  void look_at_patches(const NearPatches &near);
   void find_open(const NearPatches &near);
-  bool dip_over(const CenterLanes &centers, NearPatches &near, int32_t half_edge, uint32_t open);
+  int32_t list_edges(const NearPatches &near);
+  bool go_over(NearPatches &near, const OpenEdge &edge);
   void find_clusters(const CenterLanes &centers, NearPatches &near) const;
-  uint32_t boundary(const CenterLanes &centers, const NearPatches &near) const;
+  uint32_t boundary(const CenterLanes &centers, const NearPatches &near);
 
   const PointPatches &patches_;
   const PatchArrays &surface_;
   const BallTarget target_;
   std::vector<uint16_t> dipped_;          // (triangles) balls that reach it across an edge alone
   std::vector<int32_t> dipped_triangles_; // triangles whose entry in dipped_ is not 0
-  std::vector<uint16_t> missed_, met_;    // (patches) balls in which points are not reached, or are reached
-  std::vector<int32_t> open_;             // patches whose edges may lead on
+  struct PatchState {
+    uint32_t reached, before; // sums of the sets of its nodes and triangles, which only grow: now, and when last looked at
+    uint16_t missed, met;     // balls in which points are not reached, or are reached
+    bool has_changed() const { return reached != before; }
+  };
+  struct OpenPatch {
+    int32_t patch;
+    uint32_t centers; // balls into which its edges may lead on
+  };
+  std::vector<PatchState> state_; // (patches)
+  std::vector<OpenPatch> open_;
+  std::vector<OpenEdge> edges_;
 };
 
 } // namespace paradesc
