@@ -145,21 +145,26 @@ using Sums = std::array<float, max_sums>;
 
 Sums sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const SampleList &list, const SumCenter &center,
             const Selected &selected) {
-  const auto filled = [](const auto &from, const std::vector<size_t> &indices, const auto &nothing) {
-    std::vector<decltype(&nothing)> all;
-    for (const size_t i : indices) all.push_back(&from[i]);
-    while (all.size() % block_lanes != 0) all.push_back(&nothing);
-    return all;
-  };
   const FlatSample nothing{};
   const SampleMap no_map{};
-  const auto whole = filled(list.sample, selected.whole, nothing), cut = filled(list.sample, selected.cut, nothing);
-  const auto whole_map = filled(list.map, selected.whole, no_map), cut_map = filled(list.map, selected.cut, no_map);
-  const auto blocks_of = [](const auto &all) { return static_cast<int32_t>(all.size()) / block_lanes; };
+  std::vector<const FlatSample *> samples{&nothing};
+  std::vector<const SampleMap *> maps{&no_map};
+  for (size_t i = 0; i < list.sample.size(); ++i) {
+    samples.push_back(&list.sample[i]);
+    maps.push_back(&list.map[i]);
+  }
+  const auto filled = [](const std::vector<size_t> &indices) {
+    std::vector<int32_t> items;
+    for (const size_t i : indices) items.push_back(static_cast<int32_t>(i) + 1);
+    while (items.size() % block_lanes != 0) items.push_back(0);
+    return items;
+  };
+  const std::vector<int32_t> whole = filled(selected.whole), cut = filled(selected.cut);
+  const auto run_of = [](const std::vector<int32_t> &items) {
+    return SampleRun{items.data(), static_cast<int32_t>(items.size()) / block_lanes};
+  };
   Sums sums{};
-  target.by_kind[kind](params,
-                       {{whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}, true},
-                       center, sums.data());
+  target.by_kind[kind](params, {samples.data(), maps.data(), run_of(whole), run_of(cut), true}, center, sums.data());
   return sums;
 }
 

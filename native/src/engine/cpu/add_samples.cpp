@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "engine/cpu/kinds.h"
 #include "engine/cpu/seen_samples.h"
@@ -228,10 +229,20 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
     const int first = pass * lane_count;
     Adder<Wide> adder{Wide{params}, {}, samples.bending};
     adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
-    const auto at = [&](const auto *list, int32_t block) { return list ? list + block * block_lanes + first : nullptr; };
-    const SampleRun &whole = samples.whole, &cut = samples.cut;
-    for (int32_t i = 0; i < whole.blocks; ++i) adder.template add<Wide::geodesic_ball>(at(whole.sample, i), at(whole.map, i));
-    for (int32_t i = 0; i < cut.blocks; ++i) adder.template add<true>(at(cut.sample, i), at(cut.map, i));
+    const auto add_all = [&](const SampleRun &run, auto may_be_cut) {
+      for (int32_t i = 0; i < run.blocks; ++i) {
+        const FlatSample *some[lane_count];
+        const SampleMap *maps[lane_count];
+        for (int lane = 0; lane < lane_count; ++lane) {
+          const int32_t item = run.item[i * block_lanes + first + lane];
+          some[lane] = samples.sample[item];
+          if constexpr (requires { adder.sums.center.value; }) maps[lane] = samples.map[item];
+        }
+        adder.template add<may_be_cut>(some, maps);
+      }
+    };
+    add_all(samples.whole, std::bool_constant<Wide::geodesic_ball>());
+    add_all(samples.cut, std::true_type());
     count = store(adder.sums.moments, pass, of_lanes, 0);
     if constexpr (requires { adder.sums.windows; }) count = store(adder.sums.windows, pass, of_lanes, count);
     count = store(adder.sums.terms, pass, of_lanes, count);

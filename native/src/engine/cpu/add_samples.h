@@ -38,14 +38,15 @@ struct SumCenter {
   float value; // of the map
 };
 
-// A list of samples, padded with zero samples to whole blocks of sixteen.
+// Indices of samples, filled up with zero samples to whole blocks of sixteen.
 struct SampleRun {
-  const FlatSample *const *sample;
-  const SampleMap *const *map; // (samples) for kinds that read the map
+  const int32_t *item;
   int32_t blocks;
 };
 // The samples in a center's ball.
 struct SelectedSamples {
+  const FlatSample *const *sample;
+  const SampleMap *const *map; // as many, for kinds that read the map
   SampleRun whole;
   SampleRun cut; // samples that may lie partly within the ball
   bool bending;  // whether sums tell how normals turn towards the center

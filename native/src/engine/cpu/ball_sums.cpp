@@ -1,6 +1,8 @@
 // The sums for one instruction set. This file is compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
 #include "engine/cpu/ball_sums.h"
 
+#include <algorithm>
+
 #include "engine/cpu/refit_patch.h"
 #include "engine/cpu/rim_sums.h"
 
@@ -128,8 +130,9 @@ int32_t dips(const PatchArrays &surface, const CenterLanes &centers, OpenEdge *e
 
 // ---- Lists
 
-// Distributes items to the lists of the centers in their sets. Lists grow from the lengths in counts, and `lists` is emptied.
-inline void list_by_center(CenterLists &lists, int centers, int32_t (&counts)[group_lanes]) {
+// `lists` is emptied.
+void list_by_center(CenterLists &lists, int32_t centers, int32_t (&counts)[group_lanes]) {
+  std::fill_n(counts, group_lanes, 0);
   for (int32_t i = lists.count; i % lane_count != 0; ++i) lists.centers[i] = 0;
   for (int32_t first = 0; first < lists.count; first += lane_count) {
     Choices::Bits items, sets;
@@ -261,7 +264,7 @@ inline void add_rows(const MomentRow *rows, int32_t *list, int32_t count, int32_
 // Adds the listed rows, which share one origin.
 inline void add_wholes(const PatchArrays &surface, const CenterLanes &centers, int32_t patch, CenterLists &wholes, Totals &to) {
   if (wholes.count == 0) return;
-  int32_t counts[group_lanes] = {};
+  int32_t counts[group_lanes];
   list_by_center(wholes, centers.count, counts);
   MomentRow sums[group_lanes] = {};
   for (int i = 0; i < centers.count; ++i) add_rows(surface.moment, wholes.of_center[i], counts[i], surface.triangles, sums[i]);
@@ -340,7 +343,7 @@ inline void project(const Totals &from, const Tangents &tangents, int first, Lan
 template <bool turning>
 inline void add_rims(const PatchArrays &surface, const CenterLanes &centers, const Tangents &tangents, bool with_noise,
                      CenterLists &corners, BallSums &sums) {
-  int32_t counts[group_lanes] = {};
+  int32_t counts[group_lanes];
   list_by_center(corners, centers.count, counts);
   for (int i = 0; i < centers.count; ++i) {
     if (counts[i] == 0) continue;
@@ -375,7 +378,8 @@ void add(const PatchArrays &surface, const CenterLanes &centers, const NearPatch
 #define JOIN(a, b) a##b
 #define BALL_SUMS_OF(target) JOIN(ball_sums_of_, target)
 extern const BallTarget BALL_SUMS_OF(KERNEL_TARGET);
-const BallTarget BALL_SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), refit_spheres, refit, find, look, sphere, dips, add};
+const BallTarget BALL_SUMS_OF(KERNEL_TARGET){
+    TARGET_NAME(KERNEL_TARGET), refit_spheres, refit, find, look, sphere, dips, list_by_center, add};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

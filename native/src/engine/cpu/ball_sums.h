@@ -136,6 +136,8 @@ struct BallTarget {
   SphereSets (*sphere)(const CenterLanes &centers, const float *middle, float reach);
   // Keeps the edges that meet balls with both ends outside, with these centers only, and returns their number.
   int32_t (*dips)(const PatchArrays &surface, const CenterLanes &centers, OpenEdge *edges, int32_t count);
+  // Distributes items to the lists of the centers in their sets, and counts the items of each list.
+  void (*list)(CenterLists &lists, int32_t centers, int32_t (&counts)[group_lanes]);
   void (*add)(const PatchArrays &surface, const CenterLanes &centers, const NearPatches &near, bool with_noise, GroupLists &lists,
               BallSums &sums);
 };

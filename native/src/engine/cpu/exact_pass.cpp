@@ -27,23 +27,14 @@ private:
   FloodStart start_of(const TreeCenter &center) const;
   void place_centers(std::span<const int32_t> group);
   void find_patches();
-  std::pair<uint32_t, uint32_t> sets_of(int32_t item) const;
+  SphereSets sets_of(int32_t item) const;
   SphereSets sets_of_part(const FlatSample &part, uint32_t centers) const;
   uint32_t clusters_at_boundary() const;
+  void divide_large();
   void list_samples();
   void finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results);
   void add_samples(int32_t lane, const SumCenter &center, float *sums);
   void divide(int32_t listed);
-  // The samples in the ball of one center.
-  struct Run {
-    std::vector<const FlatSample *> samples;
-    std::vector<const SampleMap *> maps;
-    void clear() {
-      samples.clear();
-      maps.clear();
-    }
-  };
-  SampleRun blocks_of(Run &run) const;
   void forget();
 
   const ExactPass &pass_;
@@ -62,9 +53,14 @@ private:
   GroupLists lists_{};
   alignas(64) BallSums sums_{};
   std::vector<float> values_;
-  Run whole_[group_lanes], cut_[group_lanes]; // cut: what may lie partly within the ball
-  SampleList divided_;                        // of very large triangles, which each group divides where they are near
-  std::vector<int32_t> divided_begin_{0};     // (divided triangles + 1)
+  // The samples in some ball, as indices in sample_ and map_; the first is nothing, and fills up lists.
+  CenterLists whole_{}, cut_{}; // cut: what may lie partly within a ball
+  int32_t whole_count_[group_lanes] = {}, cut_count_[group_lanes] = {};
+  UnsetVector<int32_t> sample_items_;
+  std::vector<const FlatSample *> sample_;
+  std::vector<const SampleMap *> map_;
+  SampleList divided_;                    // of very large triangles, which each group divides where they are near
+  std::vector<int32_t> divided_begin_{0}; // (divided triangles + 1)
 };
 
 } // namespace
@@ -113,6 +109,14 @@ void GroupWork::place_centers(std::span<const int32_t> group) {
   centers_.spread = 0.5f * length(high - low);
 }
 
+static void place_list(int32_t *&next, int32_t *&list, size_t size) { next = (list = next) + size; }
+
+static void place(int32_t *&next, CenterLists &lists, size_t size) {
+  place_list(next, lists.item, size);
+  place_list(next, lists.centers, size);
+  for (int32_t *&list : lists.of_center) place_list(next, list, size);
+}
+
 // Also allocates the lists for as many items as these patches may lead to.
 void GroupWork::find_patches() {
   near_.patches = pass_.target.find(surface_, centers_, patch_.data());
@@ -131,18 +135,12 @@ void GroupWork::find_patches() {
   const size_t room = 5 * wholes + (2 + group_lanes) * (wholes + 2 * corners);
   if (room > list_items_.size()) list_items_.resize(2 * room);
   int32_t *next = list_items_.data();
-  const auto place_list = [&](int32_t *&list, size_t size) { next = (list = next) + size; };
-  const auto place = [&](CenterLists &of, size_t size) {
-    place_list(of.item, size);
-    place_list(of.centers, size);
-    for (int32_t *&list : of.of_center) place_list(list, size);
-  };
-  place_list(lists_.touched.triangle, wholes);
-  place_list(lists_.touched.turning, wholes);
-  for (int32_t *&list : lists_.touched.corner) place_list(list, wholes);
-  place(lists_.wholes, wholes);
-  place(lists_.corners, corners);
-  place(lists_.turning_corners, corners);
+  place_list(next, lists_.touched.triangle, wholes);
+  place_list(next, lists_.touched.turning, wholes);
+  for (int32_t *&list : lists_.touched.corner) place_list(next, list, wholes);
+  place(next, lists_.wholes, wholes);
+  place(next, lists_.corners, corners);
+  place(next, lists_.turning_corners, corners);
 }
 
 void GroupWork::evaluate(std::span<const int32_t> group, CenterResults &results) {
@@ -177,53 +175,71 @@ uint32_t GroupWork::clusters_at_boundary() const {
 }
 
 // Returns the sets of centers whose balls contain all of a triangle or cluster, and a part of it. Whole clusters have moments.
-std::pair<uint32_t, uint32_t> GroupWork::sets_of(int32_t item) const {
-  if (item < 0) return {with_moments_ ? 0 : near_.whole[~item], near_.part[~item]};
+SphereSets GroupWork::sets_of(int32_t item) const {
+  if (item < 0) return {with_moments_ ? 0u : near_.whole[~item], near_.part[~item]};
   const int32_t *const corner = surface_.corner + 3 * static_cast<ptrdiff_t>(item);
   const uint32_t a = reached_[corner[0]], b = reached_[corner[1]], c = reached_[corner[2]], whole = a & b & c;
   return {whole, (a | b | c | flood_.dipped(item)) & ~whole};
 }
 
+// Divides the very large triangles that some ball may meet.
+void GroupWork::divide_large() {
+  const PatchSamples &samples = pass_.samples;
+  for (int32_t i = 0; i < near_.patches; ++i)
+    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
+      if (!samples.is_divided(k)) continue;
+      if (const auto [whole, part] = sets_of(samples.item[k]); (whole | part) != 0) divide(k);
+    }
+}
+
 // Lists the samples of what is summed one by one for each center, in its order.
 void GroupWork::list_samples() {
+  static const FlatSample nothing{};
+  static const SampleMap no_map{};
   const PatchSamples &samples = pass_.samples;
-  const auto for_each = [&](const auto &use) {
-    for (int32_t i = 0; i < near_.patches; ++i)
-      for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) use(k);
+  const bool has_map = pass_.sampled.map != nullptr;
+  divide_large();
+  size_t room = divided_.sample.size() + 2 * group_lanes;
+  for (int32_t i = 0; i < near_.patches; ++i)
+    room += static_cast<size_t>(samples.first[samples.begin[near_.patch[i].patch + 1]] -
+                                samples.first[samples.begin[near_.patch[i].patch]]);
+  if (const size_t all = 2 * (2 + group_lanes) * room; sample_items_.size() < all) sample_items_.resize(2 * all);
+  int32_t *next = sample_items_.data();
+  place(next, whole_, room);
+  place(next, cut_, room);
+  whole_.count = cut_.count = 0;
+  sample_.assign(1, &nothing);
+  map_.assign(has_map ? 1 : 0, &no_map);
+  const auto append = [](CenterLists &lists, size_t item, uint32_t centers) {
+    lists.item[lists.count] = static_cast<int32_t>(item);
+    lists.centers[lists.count] = static_cast<int32_t>(centers);
+    lists.count += centers != 0;
   };
-  const auto is_divided = [&](int32_t listed) { return samples.first[listed] == samples.first[listed + 1]; };
-  for_each([&](int32_t k) {
-    if (!is_divided(k)) return;
-    const auto [whole, part] = sets_of(samples.item[k]);
-    if ((whole | part) != 0) divide(k);
-  });
-  for (size_t lane = 0; lane < group_lanes; ++lane) {
-    whole_[lane].clear();
-    cut_[lane].clear();
-  }
-  const auto append = [](const SampleList &list, int32_t i, uint32_t centers, Run(&runs)[group_lanes]) {
-    for (; centers != 0; centers &= centers - 1) {
-      Run &run = runs[std::countr_zero(centers)];
-      run.samples.push_back(&list.sample[i]);
-      if (!list.map.empty()) run.maps.push_back(&list.map[i]);
-    }
+  const auto add = [&](const SampleList &list, int32_t i, const SphereSets &sets) {
+    // The kernel that adds to moments takes single samples as cut ones only.
+    append(whole_, sample_.size(), with_moments_ ? 0 : sets.within);
+    append(cut_, sample_.size(), with_moments_ ? sets.within | sets.touched : sets.touched);
+    sample_.push_back(&list.sample[i]);
+    if (has_map) map_.push_back(&list.map[i]);
   };
   size_t next_divided = 0;
-  for_each([&](int32_t k) {
-    const auto [whole, part] = sets_of(samples.item[k]);
-    if ((whole | part) == 0) return;
-    const bool divided = is_divided(k);
-    const SampleList &list = divided ? divided_ : samples.list;
-    const int32_t first = divided ? divided_begin_[next_divided] : samples.first[k],
-                  last = divided ? divided_begin_[next_divided + 1] : samples.first[k + 1];
-    next_divided += divided;
-    for (int32_t i = first; i < last; ++i) {
-      const auto [within, met] = last - first == 1 ? SphereSets{whole, part} : sets_of_part(list.sample[i], whole | part);
-      // The kernel that adds to moments takes single samples as cut ones only.
-      append(list, i, with_moments_ ? 0 : within, whole_);
-      append(list, i, with_moments_ ? within | met : met, cut_);
+  for (int32_t i = 0; i < near_.patches; ++i)
+    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
+      const SphereSets sets = sets_of(samples.item[k]);
+      if ((sets.within | sets.touched) == 0) continue;
+      const bool divided = samples.is_divided(k);
+      const SampleList &list = divided ? divided_ : samples.list;
+      const int32_t first = divided ? divided_begin_[next_divided] : samples.first[k],
+                    last = divided ? divided_begin_[next_divided + 1] : samples.first[k + 1];
+      next_divided += divided;
+      if (last - first == 1)
+        add(list, first, sets);
+      else
+        for (int32_t part = first; part < last; ++part)
+          add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
     }
-  });
+  pass_.target.list(whole_, centers_.count, whole_count_);
+  pass_.target.list(cut_, centers_.count, cut_count_);
 }
 
 // Returns the centers whose balls contain this part of a triangle, and those whose balls may cut it. centers: those from which
@@ -248,21 +264,22 @@ void GroupWork::divide(int32_t listed) {
   divided_begin_.push_back(static_cast<int32_t>(divided_.sample.size()));
 }
 
-// Fills the last block up.
-SampleRun GroupWork::blocks_of(Run &run) const {
-  static const FlatSample nothing{};
-  static const SampleMap no_map{};
-  const size_t blocks = (run.samples.size() + block_lanes - 1) / block_lanes;
-  run.samples.resize(blocks * block_lanes, &nothing);
-  if (pass_.sampled.map == nullptr) return {run.samples.data(), nullptr, static_cast<int32_t>(blocks)};
-  run.maps.resize(blocks * block_lanes, &no_map);
-  return {run.samples.data(), run.maps.data(), static_cast<int32_t>(blocks)};
+// Fills the last block of a list up, and returns the number of its blocks.
+static int32_t blocks_of(int32_t *list, int32_t count) {
+  const int32_t blocks = (count + block_lanes - 1) / block_lanes;
+  std::fill(list + count, list + blocks * block_lanes, 0);
+  return blocks;
 }
 
 // Adds the sums over the samples of the center.
 void GroupWork::add_samples(int32_t lane, const SumCenter &center, float *sums) {
-  if (whole_[lane].samples.empty() && cut_[lane].samples.empty()) return;
-  const SelectedSamples selected{blocks_of(whole_[lane]), blocks_of(cut_[lane]), pass_.plan.bending};
+  if (whole_count_[lane] + cut_count_[lane] == 0) return;
+  int32_t *const whole = whole_.of_center[lane], *const cut = cut_.of_center[lane];
+  const SelectedSamples selected{sample_.data(),
+                                 pass_.sampled.map != nullptr ? map_.data() : nullptr,
+                                 {whole, blocks_of(whole, whole_count_[lane])},
+                                 {cut, blocks_of(cut, cut_count_[lane])},
+                                 pass_.plan.bending};
   float listed[max_sums] = {};
   pass_.sum_target.by_kind[static_cast<size_t>(pass_.plan.kind)](pass_.params, selected, center, listed);
   for (size_t k = 0; k < max_sums; ++k) sums[k] += listed[k];

@@ -29,8 +29,11 @@ enum class SampledTriangles { all, large };
 struct PatchSamples {
   std::vector<int32_t> item;  // a triangle in the order of the patches, or ~i: cluster i; those without area are left out
   std::vector<int32_t> begin; // (patches + 1) into item
-  std::vector<int32_t> first; // (items + 1) into list; a triangle without samples there is divided by each group of centers
+  std::vector<int32_t> first; // (items + 1) into list; no samples of an item that is divided
   SampleList list;
+
+  // Whether each group of centers divides this item's triangle, which is very large.
+  bool is_divided(int32_t k) const { return first[k] == first[k + 1]; }
 };
 
 // Returns about how many samples the list will have.
