@@ -46,7 +46,7 @@ void BallFlood::cross(int32_t edge, double radius) {
   if (twin < 0 || mark_[twin / 3] == places_) return;
   const dvec3 begin = dvec3(triangles_.position(edge)) - center_, end = dvec3(triangles_.position(next_corner(edge))) - center_;
   const double square = radius * radius;
-  if (glm::dot(begin, begin) < square || glm::dot(end, end) < square || segment_distance(begin, end) < radius)
+  if (glm::dot(begin, begin) < square || glm::dot(end, end) < square || segment_distance2(begin, end) < square)
     reach(twin / 3);
   else
     rim_.push_back(edge);

@@ -80,28 +80,27 @@ std::vector<int32_t> spread_out(const Triangles &triangles, std::span<const int3
   return first;
 }
 
-// Returns the integral of 1 - rho^2 / r^2 along the part of a segment within the ball around the origin.
-double bowl_on_segment(dvec3 begin, dvec3 end, double radius) {
-  const dvec3 edge = end - begin;
-  const double length = glm::length(edge);
-  if (!(length > 0)) return 0;
-  const double from = glm::dot(begin, edge) / length, half2 = radius * radius - (glm::dot(begin, begin) - from * from);
+// Returns the integral of r^2 - rho^2 along the part of a segment within the ball around the origin.
+double bowl_on_segment(dvec3 begin, dvec3 direction, double length, double radius) {
+  const double from = glm::dot(begin, direction), half2 = radius * radius - (glm::dot(begin, begin) - from * from);
   if (!(half2 > 0)) return 0;
   const double half = std::sqrt(half2), low = std::max(from, -half), high = std::min(from + length, half);
-  const auto up_to = [&](double s) { return (half2 * s - s * s * s / 3) / (radius * radius); };
+  const auto up_to = [&](double s) { return half2 * s - s * s * s * (1.0 / 3); };
   return low < high ? up_to(high) - up_to(low) : 0;
 }
 
 // The sum of signed bends times the dyads of the edges' directions.
 struct BendTensor {
-  dmat3 sum{0.0};
-  double squares = 0; // the squared norm expected for random signs
+  dvec3 squares_of_axes{0}, products{0}; // xx, yy, zz; yz, zx, xy
+  double squares = 0;                    // the squared norm expected for random signs
 
   void add(double bend, dvec3 direction) {
-    sum += glm::outerProduct(bend * direction, direction);
+    const dvec3 scaled = bend * direction;
+    squares_of_axes += scaled * direction;
+    products += dvec3(scaled.y * direction.z, scaled.z * direction.x, scaled.x * direction.y);
     squares += bend * bend;
   }
-  double norm2() const { return glm::dot(sum[0], sum[0]) + glm::dot(sum[1], sum[1]) + glm::dot(sum[2], sum[2]); }
+  double norm2() const { return glm::dot(squares_of_axes, squares_of_axes) + 2 * glm::dot(products, products); }
 };
 
 class Bends {
@@ -118,10 +117,19 @@ public:
     std::array<BendTensor, octants> others;
     for (const int32_t triangle : flood.triangles())
       for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+        const int32_t twin = half_edges_.twin[h];
+        if (twin <= h) continue;
+        const vec3 left = normals_[triangle], right = normals_[twin / 3], apart = left - right;
+        if (apart == vec3(0.0f)) continue;
         const dvec3 begin = dvec3(triangles_.position(h)) - center, end = dvec3(triangles_.position(next_corner(h))) - center;
-        const double bend = half_edges_.twin[h] > h ? bowl_on_segment(begin, end, reach) * signed_chord(h, end - begin) : 0;
+        const double length = glm::length(end - begin);
+        if (!(length > 0)) continue;
+        const dvec3 direction = (end - begin) * (1 / length), middle = begin + end;
+        // The chord of the angle between the normals, negative where the surface is concave.
+        const double chord =
+                         std::copysign(static_cast<double>(glm::length(apart)), glm::dot(dvec3(cross(left, right)), direction)),
+                     bend = bowl_on_segment(begin, direction, length, reach) * chord;
         if (bend == 0) continue;
-        const dvec3 direction = glm::normalize(end - begin), middle = begin + end;
         all.add(bend, direction);
         (chosen_[h] ? turning.edges : turning.others) += std::abs(bend);
         if (!chosen_[h]) others[(middle.x > 0) + 2 * (middle.y > 0) + 4 * (middle.z > 0)].add(bend, direction);
@@ -132,12 +140,6 @@ public:
   }
 
 private:
-  // Returns the chord of the angle between the normals beside an edge. It is negative where the surface is concave.
-  double signed_chord(int32_t half_edge, dvec3 way) const {
-    const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
-    return std::copysign(static_cast<double>(length(left - right)), glm::dot(dvec3(cross(left, right)), way));
-  }
-
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
   std::span<const uint8_t> chosen_;
