@@ -17,6 +17,29 @@ namespace paradesc {
 
 namespace {
 
+// Samples with the sets of centers whose balls they meet → the samples of each center. Samples are given by index.
+class SamplesOfCenters {
+public:
+  void clear() {
+    item_.clear();
+    centers_.clear();
+  }
+  void append(size_t item, uint32_t centers) {
+    if (centers == 0) return;
+    item_.push_back(static_cast<int32_t>(item));
+    centers_.push_back(static_cast<int32_t>(centers));
+  }
+  void distribute(const BallTarget &target, int32_t centers);
+  // Returns the samples of a center, filled up with sample 0.
+  SampleRun of(int32_t center) const { return {lists_.of_center[center], (count_[center] + block_lanes - 1) / block_lanes}; }
+
+private:
+  std::vector<int32_t> item_, centers_;
+  UnsetVector<int32_t> room_;
+  CenterLists lists_{};
+  int32_t count_[group_lanes] = {};
+};
+
 // The memory that one thread reuses from group to group.
 class GroupWork {
 public:
@@ -53,17 +76,16 @@ private:
   GroupLists lists_{};
   alignas(64) BallSums sums_{};
   std::vector<float> values_;
-  // The samples in some ball, as indices in sample_ and map_; the first is nothing, and fills up lists.
-  CenterLists whole_{}, cut_{}; // cut: what may lie partly within a ball
-  int32_t whole_count_[group_lanes] = {}, cut_count_[group_lanes] = {};
-  UnsetVector<int32_t> sample_items_;
-  std::vector<const FlatSample *> sample_;
+  SamplesOfCenters whole_, cut_;           // indices in sample_ and map_; cut: what may lie partly within a ball
+  std::vector<const FlatSample *> sample_; // those in some ball, after one that is nothing
   std::vector<const SampleMap *> map_;
   SampleList divided_;                    // of very large triangles, which each group divides where they are near
   std::vector<int32_t> divided_begin_{0}; // (divided triangles + 1)
 };
 
 } // namespace
+
+static void place_list(int32_t *&next, int32_t *&list, size_t size) { next = (list = next) + size; }
 
 bool asks_for_noise(std::span<const int> rows) {
   return std::ranges::any_of(rows, [](int row) { return std::string_view(descriptor_row(row).name) == "standard_error"; });
@@ -109,8 +131,6 @@ void GroupWork::place_centers(std::span<const int32_t> group) {
   centers_.spread = 0.5f * length(high - low);
 }
 
-static void place_list(int32_t *&next, int32_t *&list, size_t size) { next = (list = next) + size; }
-
 static void place(int32_t *&next, CenterLists &lists, size_t size) {
   place_list(next, lists.item, size);
   place_list(next, lists.centers, size);
@@ -141,6 +161,19 @@ void GroupWork::find_patches() {
   place(next, lists_.wholes, wholes);
   place(next, lists_.corners, corners);
   place(next, lists_.turning_corners, corners);
+}
+
+void SamplesOfCenters::distribute(const BallTarget &target, int32_t centers) {
+  lists_.count = static_cast<int32_t>(item_.size());
+  item_.resize(item_.size() + group_lanes);
+  centers_.resize(item_.size());
+  lists_.item = item_.data();
+  lists_.centers = centers_.data();
+  if (room_.size() < group_lanes * item_.size()) room_.resize(2 * group_lanes * item_.size());
+  int32_t *next = room_.data();
+  for (int32_t *&list : lists_.of_center) place_list(next, list, item_.size());
+  target.list(lists_, centers, count_);
+  for (int32_t i = 0; i < centers; ++i) std::fill_n(lists_.of_center[i] + count_[i], block_lanes - 1, 0);
 }
 
 void GroupWork::evaluate(std::span<const int32_t> group, CenterResults &results) {
@@ -199,26 +232,15 @@ void GroupWork::list_samples() {
   const PatchSamples &samples = pass_.samples;
   const bool has_map = pass_.sampled.map != nullptr;
   divide_large();
-  size_t room = divided_.sample.size() + 2 * group_lanes;
-  for (int32_t i = 0; i < near_.patches; ++i)
-    room += static_cast<size_t>(samples.first[samples.begin[near_.patch[i].patch + 1]] -
-                                samples.first[samples.begin[near_.patch[i].patch]]);
-  if (const size_t all = 2 * (2 + group_lanes) * room; sample_items_.size() < all) sample_items_.resize(2 * all);
-  int32_t *next = sample_items_.data();
-  place(next, whole_, room);
-  place(next, cut_, room);
-  whole_.count = cut_.count = 0;
+  whole_.clear();
+  cut_.clear();
   sample_.assign(1, &nothing);
   map_.assign(has_map ? 1 : 0, &no_map);
-  const auto append = [](CenterLists &lists, size_t item, uint32_t centers) {
-    lists.item[lists.count] = static_cast<int32_t>(item);
-    lists.centers[lists.count] = static_cast<int32_t>(centers);
-    lists.count += centers != 0;
-  };
   const auto add = [&](const SampleList &list, int32_t i, const SphereSets &sets) {
+    if ((sets.within | sets.touched) == 0) return;
     // The kernel that adds to moments takes single samples as cut ones only.
-    append(whole_, sample_.size(), with_moments_ ? 0 : sets.within);
-    append(cut_, sample_.size(), with_moments_ ? sets.within | sets.touched : sets.touched);
+    whole_.append(sample_.size(), with_moments_ ? 0 : sets.within);
+    cut_.append(sample_.size(), with_moments_ ? sets.within | sets.touched : sets.touched);
     sample_.push_back(&list.sample[i]);
     if (has_map) map_.push_back(&list.map[i]);
   };
@@ -238,8 +260,8 @@ void GroupWork::list_samples() {
         for (int32_t part = first; part < last; ++part)
           add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
     }
-  pass_.target.list(whole_, centers_.count, whole_count_);
-  pass_.target.list(cut_, centers_.count, cut_count_);
+  whole_.distribute(pass_.target, centers_.count);
+  cut_.distribute(pass_.target, centers_.count);
 }
 
 // Returns the centers whose balls contain this part of a triangle, and those whose balls may cut it. centers: those from which
@@ -264,22 +286,10 @@ void GroupWork::divide(int32_t listed) {
   divided_begin_.push_back(static_cast<int32_t>(divided_.sample.size()));
 }
 
-// Fills the last block of a list up, and returns the number of its blocks.
-static int32_t blocks_of(int32_t *list, int32_t count) {
-  const int32_t blocks = (count + block_lanes - 1) / block_lanes;
-  std::fill(list + count, list + blocks * block_lanes, 0);
-  return blocks;
-}
-
 // Adds the sums over the samples of the center.
 void GroupWork::add_samples(int32_t lane, const SumCenter &center, float *sums) {
-  if (whole_count_[lane] + cut_count_[lane] == 0) return;
-  int32_t *const whole = whole_.of_center[lane], *const cut = cut_.of_center[lane];
-  const SelectedSamples selected{sample_.data(),
-                                 pass_.sampled.map != nullptr ? map_.data() : nullptr,
-                                 {whole, blocks_of(whole, whole_count_[lane])},
-                                 {cut, blocks_of(cut, cut_count_[lane])},
-                                 pass_.plan.bending};
+  const SelectedSamples selected{sample_.data(), map_.data(), whole_.of(lane), cut_.of(lane), pass_.plan.bending};
+  if (selected.whole.blocks + selected.cut.blocks == 0) return;
   float listed[max_sums] = {};
   pass_.sum_target.by_kind[static_cast<size_t>(pass_.plan.kind)](pass_.params, selected, center, listed);
   for (size_t k = 0; k < max_sums; ++k) sums[k] += listed[k];
