@@ -21,20 +21,30 @@ namespace {
 class SamplesOfCenters {
 public:
   void clear() {
-    item_.clear();
-    centers_.clear();
+    for (Sets *const sets : {&first_, &rest_}) {
+      sets->item.clear();
+      sets->centers.clear();
+    }
   }
-  void append(size_t item, uint32_t centers) {
-    if (centers == 0) return;
-    item_.push_back(static_cast<int32_t>(item));
-    centers_.push_back(static_cast<int32_t>(centers));
+  // first: those of the centers in whose lists the sample comes before all others.
+  void append(size_t item, uint32_t centers, uint32_t first) {
+    first_.append(item, centers & first);
+    rest_.append(item, centers & ~first);
   }
   void distribute(const BallTarget &target, int32_t centers);
   // Returns the samples of a center, filled up with sample 0.
   SampleRun of(int32_t center) const { return {lists_.of_center[center], (count_[center] + block_lanes - 1) / block_lanes}; }
 
 private:
-  std::vector<int32_t> item_, centers_;
+  struct Sets {
+    std::vector<int32_t> item, centers;
+    void append(size_t sample, uint32_t of_centers) {
+      if (of_centers == 0) return;
+      item.push_back(static_cast<int32_t>(sample));
+      centers.push_back(static_cast<int32_t>(of_centers));
+    }
+  };
+  Sets first_, rest_;
   UnsetVector<int32_t> room_;
   CenterLists lists_{};
   int32_t count_[group_lanes] = {};
@@ -52,6 +62,7 @@ private:
   void find_patches();
   SphereSets sets_of(int32_t item) const;
   SphereSets sets_of_part(const FlatSample &part, uint32_t centers) const;
+  uint32_t centers_beside(const FlatSample &sample) const;
   uint32_t clusters_at_boundary() const;
   void divide_large();
   void list_samples();
@@ -63,7 +74,7 @@ private:
   const ExactPass &pass_;
   const PatchArrays &surface_;
   bool with_noise_, with_moments_;
-  CenterLanes centers_{};
+  CenterLanes centers_{}, places_{}; // places_: with the radius 0
   FloodStart start_[group_lanes] = {};
   std::vector<int32_t> pieces_; // components that the centers lie on
   PointFlood flood_;
@@ -129,6 +140,8 @@ void GroupWork::place_centers(std::span<const int32_t> group) {
   }
   for (int axis = 0; axis < 3; ++axis) centers_.middle[axis] = 0.5f * (low[axis] + high[axis]);
   centers_.spread = 0.5f * length(high - low);
+  places_ = centers_;
+  places_.radius = 0.0f;
 }
 
 static void place(int32_t *&next, CenterLists &lists, size_t size) {
@@ -164,14 +177,18 @@ void GroupWork::find_patches() {
 }
 
 void SamplesOfCenters::distribute(const BallTarget &target, int32_t centers) {
-  lists_.count = static_cast<int32_t>(item_.size());
-  item_.resize(item_.size() + group_lanes);
-  centers_.resize(item_.size());
-  lists_.item = item_.data();
-  lists_.centers = centers_.data();
-  if (room_.size() < group_lanes * item_.size()) room_.resize(2 * group_lanes * item_.size());
+  std::vector<int32_t> &item = first_.item, &sets = first_.centers;
+  item.insert(item.end(), rest_.item.begin(), rest_.item.end());
+  sets.insert(sets.end(), rest_.centers.begin(), rest_.centers.end());
+  lists_.count = static_cast<int32_t>(item.size());
+  const size_t room = item.size() + group_lanes;
+  item.resize(room);
+  sets.resize(room);
+  lists_.item = item.data();
+  lists_.centers = sets.data();
+  if (room_.size() < group_lanes * room) room_.resize(2 * group_lanes * room);
   int32_t *next = room_.data();
-  for (int32_t *&list : lists_.of_center) place_list(next, list, item_.size());
+  for (int32_t *&list : lists_.of_center) place_list(next, list, room);
   target.list(lists_, centers, count_);
   for (int32_t i = 0; i < centers; ++i) std::fill_n(lists_.of_center[i] + count_[i], block_lanes - 1, 0);
 }
@@ -239,8 +256,8 @@ void GroupWork::list_samples() {
   const auto add = [&](const SampleList &list, int32_t i, const SphereSets &sets) {
     if ((sets.within | sets.touched) == 0) return;
     // The kernel that adds to moments takes single samples as cut ones only.
-    whole_.append(sample_.size(), with_moments_ ? 0 : sets.within);
-    cut_.append(sample_.size(), with_moments_ ? sets.within | sets.touched : sets.touched);
+    whole_.append(sample_.size(), with_moments_ ? 0 : sets.within, centers_beside(list.sample[i]));
+    cut_.append(sample_.size(), with_moments_ ? sets.within | sets.touched : sets.touched, 0);
     sample_.push_back(&list.sample[i]);
     if (has_map) map_.push_back(&list.map[i]);
   };
@@ -262,6 +279,13 @@ void GroupWork::list_samples() {
     }
   whole_.distribute(pass_.target, centers_.count);
   cut_.distribute(pass_.target, centers_.count);
+}
+
+// Returns the centers that lie beside a sample, where turning normals take more places. Blocks of such samples are fewest if they
+// come first.
+uint32_t GroupWork::centers_beside(const FlatSample &sample) const {
+  constexpr float beside = 1.75f; // of the reach
+  return pass_.plan.bending ? pass_.target.sphere(places_, sample.position, beside * sample.reach).touched : 0;
 }
 
 // Returns the centers whose balls contain this part of a triangle, and those whose balls may cut it. centers: those from which
