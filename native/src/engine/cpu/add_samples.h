@@ -23,8 +23,10 @@ struct alignas(16) FlatSample {
   float face[3];
   float noise, facet; // as in a Sample
   float reach;        // of a triangle's corners from its position
-  float padding[2];
+  float run_reach;    // at the first sample of each run of a triangle's samples: of all their corners from its position
+  float padding;
 };
+inline constexpr int samples_of_run = 16;
 
 // The map at a sample, for operators: gradient and value. It has the mean and the variation along both directions, like normals.
 struct alignas(16) SampleMap {

@@ -61,6 +61,7 @@ private:
   void place_centers(std::span<const int32_t> group);
   void find_patches();
   SphereSets sets_of(int32_t item) const;
+  bool is_beyond(const FlatSample &sample, float reach) const;
   SphereSets sets_of_part(const FlatSample &part, uint32_t centers) const;
   uint32_t centers_beside(const FlatSample &sample) const;
   uint32_t clusters_at_boundary() const;
@@ -274,8 +275,11 @@ void GroupWork::list_samples() {
       if (last - first == 1)
         add(list, first, sets);
       else
-        for (int32_t part = first; part < last; ++part)
-          add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
+        for (int32_t run = first; run < last; run += samples_of_run) {
+          if (!divided && is_beyond(list.sample[run], list.sample[run].run_reach)) continue;
+          for (int32_t part = run; part < std::min(run + samples_of_run, last); ++part)
+            add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
+        }
     }
   whole_.distribute(pass_.target, centers_.count);
   cut_.distribute(pass_.target, centers_.count);
@@ -288,16 +292,21 @@ uint32_t GroupWork::centers_beside(const FlatSample &sample) const {
   return pass_.plan.bending ? pass_.target.sphere(places_, sample.position, beside * sample.reach).touched : 0;
 }
 
+// Returns whether no ball meets what lies within `reach` of the sample's position.
+bool GroupWork::is_beyond(const FlatSample &sample, float reach) const {
+  float square = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float gap = sample.position[axis] - centers_.middle[axis];
+    square += gap * gap;
+  }
+  const float far = centers_.spread + centers_.radius + reach;
+  return square > far * far;
+}
+
 // Returns the centers whose balls contain this part of a triangle, and those whose balls may cut it. centers: those from which
 // the triangle is reached.
 SphereSets GroupWork::sets_of_part(const FlatSample &part, uint32_t centers) const {
-  float square = 0.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float gap = part.position[axis] - centers_.middle[axis];
-    square += gap * gap;
-  }
-  const float far = centers_.spread + centers_.radius + part.reach;
-  if (square > far * far) return {};
+  if (is_beyond(part, part.reach)) return {};
   const auto [within, touched] = pass_.target.sphere(centers_, part.position, part.reach);
   return {within & centers, touched & ~within & centers};
 }

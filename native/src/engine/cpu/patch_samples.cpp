@@ -2,6 +2,8 @@
 #include "engine/cpu/patch_samples.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <utility>
 
 #include "support/parallel.h"
@@ -93,10 +95,29 @@ double count_samples(const SampledSurface &surface, const SampleLimit &limit, Sa
   return count;
 }
 
+// Lets the first sample of each run tell how far the run reaches.
+static void measure_runs(std::span<FlatSample> samples) {
+  for (size_t begin = 0; begin < samples.size(); begin += samples_of_run) {
+    FlatSample &first = samples[begin];
+    for (const FlatSample &sample : samples.subspan(begin, std::min<size_t>(samples_of_run, samples.size() - begin))) {
+      float square = 0.0f;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float gap = sample.position[axis] - first.position[axis];
+        square += gap * gap;
+      }
+      first.run_reach = std::max(first.run_reach, std::sqrt(square) + sample.reach);
+    }
+  }
+}
+
 static void add_triangle(const SampledTriangle &triangle, const SampleLimit &limit, bool has_map, SampleList &list) {
   const SampleCount count = count_samples(triangle, limit);
   if (count.samples > max_stored_samples) return;
-  if (!count.is_small) return divide_triangle(triangle, limit, {}, has_map, list);
+  if (!count.is_small) {
+    const size_t first = list.sample.size();
+    divide_triangle(triangle, limit, {}, has_map, list);
+    return measure_runs(std::span(list.sample).subspan(first));
+  }
   list.sample.push_back(flat(sample_of(triangle), false));
   if (has_map) list.map.push_back(map_of_triangle(triangle.map));
 }
