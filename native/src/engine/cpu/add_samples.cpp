@@ -152,49 +152,49 @@ template <class Wide> struct Adder {
     const Lanes extent = fast_sqrt(part.area * seen.per_area);
     const auto mean_around = [&](float u, float v, float size) {
       Lanes sum = 0.0f;
-      for (const float(&point)[2] : four_places)
-        sum += 0.25f * turning_at(seen, part.place[0] + extent * (u + size * point[0]),
-                                  part.place[1] + extent * (v + size * point[1]), least);
+      for (const float(&point)[2] : four_places) {
+        const Lanes place[2] = {part.place[0] + extent * (u + size * point[0]), part.place[1] + extent * (v + size * point[1])};
+        const Vector<3, Lanes> normal = seen.normal_at(place);
+        sum += 0.25f * turning_of(normal * fast_inversesqrt(max(square_of(normal), 1e-12f)), seen.at(place), least);
+      }
       return sum;
     };
     neighbor.turning = mean_around(0.0f, 0.0f, 1.0f);
     constexpr float close = 12.0f; // squared distance over squared extent
     const Choices is_near = square_of(seen.at(part.place)) < close * extent * extent * seen.spread();
-    if (!any(is_near)) return;
-    Lanes of_quarters = mean_around(0.0f, 0.0f, -0.5f);
-    for (const float(&corner)[2] : corner_place) of_quarters += mean_around(0.5f * corner[0], 0.5f * corner[1], 0.5f);
-    neighbor.turning = mix(neighbor.turning, 0.25f * of_quarters, is_near);
+    if (any(is_near)) {
+      Lanes of_quarters = mean_around(0.0f, 0.0f, -0.5f);
+      for (const float(&corner)[2] : corner_place) of_quarters += mean_around(0.5f * corner[0], 0.5f * corner[1], 0.5f);
+      neighbor.turning = mix(neighbor.turning, 0.25f * of_quarters, is_near);
+    }
     const Choices is_corner = squares[0] < least || squares[1] < least || squares[2] < least;
     if (any(is_corner)) neighbor.turning = mix(neighbor.turning, turning_at_corner(seen, squares, least), is_corner);
   }
 
-  // Returns |n - n_i|^2/rho^2 at a place of a sample.
-  Lanes turning_at(const Seen &seen, const Lanes &u, const Lanes &v, float least) const {
-    const Lanes place[2] = {u, v};
-    const Vector<3, Lanes> normal = seen.normal_at(place), way = seen.at(place);
-    const Vector<3, Lanes> turn = normal * fast_inversesqrt(max(square_of(normal), 1e-12f)) - sums.center.normal;
-    const Lanes root = fast_inversesqrt(max(square_of(way), least));
-    return square_of(turn) * root * root;
+  Lanes turning_of(const Vector<3, Lanes> &normal, const Vector<3, Lanes> &offset, float least) const {
+    const Lanes root = fast_inversesqrt(max(square_of(offset), least));
+    return square_of(normal - sums.center.normal) * root * root;
   }
 
-  // Returns the mean if the center is a corner of the sample. It depends on the direction only then, and is averaged along the
-  // opposite edge, by Gauss points on both sides of the bisector.
+  // Returns the mean if the center is a corner of the sample. Between linear normals it depends on the direction only then, and
+  // is averaged along the opposite edge, by Gauss points on both sides of the bisector.
   Lanes turning_at_corner(const Seen &seen, const Lanes *squares, float least) const {
     const Choices at0 = squares[0] < least, at2 = squares[2] < least;
     const auto choose = [&](const Lanes &of0, const Lanes &of1, const Lanes &of2) { return mix(mix(of1, of2, at2), of0, at0); };
     const Lanes from_length = fast_sqrt(choose(squares[1], squares[2], squares[0]));
     const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
     const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
-    const auto place = [&](int axis, const Lanes &along) {
-      const auto corner = [&](int i) { return Lanes(corner_place[i][axis]); };
-      const Lanes from = choose(corner(1), corner(2), corner(0)), to = choose(corner(2), corner(0), corner(1));
-      return from + along * (to - from);
-    };
     Lanes sum = 0.0f;
     for (const float gauss : {0.21132487f, 0.78867513f})
       for (const auto &[start, size] : {std::pair(Lanes(0.0f), bisector), std::pair(bisector, 1.0f - bisector)}) {
         const Lanes along = start + gauss * size;
-        sum += 0.5f * size * turning_at(seen, place(0, along), place(1, along), least);
+        Lanes place[2];
+        for (int axis = 0; axis < 2; ++axis) {
+          const auto corner = [&](int i) { return Lanes(corner_place[i][axis]); };
+          const Lanes from = choose(corner(1), corner(2), corner(0)), to = choose(corner(2), corner(0), corner(1));
+          place[axis] = from + along * (to - from);
+        }
+        sum += 0.5f * size * turning_of(seen.normal_at(place), seen.at(place), least);
       }
     return sum;
   }
