@@ -157,7 +157,7 @@ int32_t PointFlood::list_edges(const NearPatches &near) {
 bool PointFlood::dip(const CenterLanes &centers, NearPatches &near) {
   look_at_patches(near);
   find_open(near);
-  const int32_t dipping = target_.dips(surface_, centers, edges_.data(), list_edges(near));
+  const int32_t listed = list_edges(near), dipping = target_.dips(surface_, centers, edges_.data(), listed);
   bool found = false;
   for (int32_t i = 0; i < dipping; ++i) found |= go_over(near, edges_[static_cast<size_t>(i)]);
   return found;
