@@ -18,15 +18,15 @@ static constexpr int points_of_block = 4096;
 
 // Returns the resolution that a pass needs. Areas are cut off sharply at the rim, and need triangles half as large. Gaussian
 // curvature by areas magnifies their errors, and needs five times as many samples. Extrapolation also uses half of the radius,
-// which then has as many samples as the radius otherwise. Curvature hardly depends on the size of triangles, or on the details
-// within a cluster.
+// which then has as many samples as the radius otherwise. Curvature hardly depends on the size of triangles, but magnifies what
+// the turning of normals within a cluster hides.
 Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
   };
   if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
-  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.97f;
+  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.998f;
   if (options.estimator == PDESC_ESTIMATOR_INTEGRAL) return {5 * options.samples, half_as_large};
   if (any("area")) return {options.samples, half_as_large};
   if (pass.stage == Stage::source || any("bending")) return {options.samples};
@@ -95,10 +95,7 @@ static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &o
     for (int i = begin; i < end; ++i)
       positions[i] = of.space.to_buffer(of.surface.triangles.positions[half_edges.point_vertex[i]]);
   });
-  // With moments, single triangles are exact, so that clusters are most of the error. The shape operator of a rough surface adds
-  // up in them; other values see how the faces within them turn.
-  const ClusterLimit limit{(has_moments(of) ? 0.5f : 1.0f) * largest_spread(of),
-                           fineness_of(of.pass, of.request.options).coherence};
+  const ClusterLimit limit{largest_spread(of), fineness_of(of.pass, of.request.options).coherence};
   PointSurface surface{positions, of.surface.normals().point, {}};
   std::vector<vec3> facing;
   if (!has_moments(of)) {
