@@ -18,19 +18,18 @@ static constexpr int points_of_block = 4096;
 
 // Returns the resolution that a pass needs. Areas are cut off sharply at the rim, and need triangles half as large. Gaussian
 // curvature by areas magnifies their errors, and needs five times as many samples. Extrapolation also uses half of the radius,
-// which then has as many samples as the radius otherwise. Curvature hardly depends on the size of triangles, but magnifies what
-// the turning of normals within a cluster hides.
+// which then has as many samples as the radius otherwise. Curvature and volumes hardly depend on the size of triangles.
 Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
   };
   if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
-  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.998f;
+  constexpr float half_as_large = 3.0f, large = 5.0f;
   if (options.estimator == PDESC_ESTIMATOR_INTEGRAL) return {5 * options.samples, half_as_large};
   if (any("area")) return {options.samples, half_as_large};
   if (pass.stage == Stage::source || any("bending")) return {options.samples};
-  return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
+  return {options.samples, large};
 }
 
 static bool has_moments(const PassInputs &of) { return of.plan(of.pass.rows).kind == SumKind::fit; }
@@ -95,7 +94,8 @@ static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &o
     for (int i = begin; i < end; ++i)
       positions[i] = of.space.to_buffer(of.surface.triangles.positions[half_edges.point_vertex[i]]);
   });
-  const ClusterLimit limit{largest_spread(of), fineness_of(of.pass, of.request.options).coherence};
+  constexpr float coherence = 0.998f; // normals agree to 2.6 degrees, so that a cluster hides no detail
+  const ClusterLimit limit{largest_spread(of), coherence};
   PointSurface surface{positions, of.surface.normals().point, {}};
   std::vector<vec3> facing;
   if (!has_moments(of)) {

@@ -34,8 +34,7 @@ struct PassInputs {
 // immediate surroundings.
 struct Fineness {
   int samples;
-  float triangles = 1.5f;   // largest spread of a triangle, relative to that of a cluster
-  float coherence = 0.995f; // least squared length of a cluster's mean normal, so that it hides no detail
+  float triangles = 1.5f; // largest spread of a triangle, relative to that of a cluster
   friend bool operator==(const Fineness &, const Fineness &) = default;
 };
 Fineness fineness_of(const Pass &pass, const pdesc_options &options);
