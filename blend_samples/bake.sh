@@ -5,7 +5,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}"
 if [ -f "$root/.venv/requirements.txt" ] && grep -q pytest "$root/.venv/requirements.txt"; then
-  make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}" # the tests were here before
+  make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}" "${SITE_REQUIREMENTS[@]}" # the tests were here before
 else
   make_environment "${REQUIREMENTS[@]}"
 fi

@@ -17,6 +17,7 @@ REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3) # markdown: packages c
 TEST_REQUIREMENTS=(pytest==8.4.2 lizard==1.24.3 trimesh==5.2.0 scikit-build-core==1.1.2 openjd-cli==0.8.0 distributed==2026.8.0 dukpy==0.6.0
   mypy==2.4.1 pillow==13.0.0 pyvista==0.49.1 vtk==9.7.2 matplotlib==3.11.2 nbclient==0.11.0 nbformat==5.11.1 ipykernel==7.4.0 nibabel==5.4.2 click==8.5.1
   openimageio==3.0.21.0) # later ones need numpy 2, which Blender 4.2 has not
+mapfile -t SITE_REQUIREMENTS <"$root/addon/site/requirements.txt"
 
 fail() {
   echo "paradesc: $*" >&2

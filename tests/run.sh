@@ -7,7 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
 case "$*" in "" | --quick) ;; *) fail "usage: bash tests/run.sh [--quick]" ;; esac
 install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
-make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
+make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}" "${SITE_REQUIREMENTS[@]}"
 build_library
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 
