@@ -72,62 +72,69 @@ def compute(
     Parameters
     ----------
     vertices : (n, 3) array_like, or a mesh of trimesh, PyVista or Open3D
-        Real numbers. A mesh of another package has its faces. The library takes 32-bit floats; a mesh farther from the
-        origin than it is large is moved there first, so that they hold its shape.
+        The positions, as real numbers of any type; a mesh of another package brings its faces along. The library
+        computes from 32-bit floats. A mesh that lies farther from the origin than its size is first moved there, so
+        that no digits of its shape are lost.
     faces : (m, 3) or (m, k) array_like, or a sequence of sequences
-        Triangles or polygons, which may be concave: vertices counted from 0, counterclockwise as seen from outside.
+        Triangles or polygons, which may be concave. Vertices are counted from 0, and go counterclockwise as seen from
+        outside.
     descriptors : str or sequence of str
-        Of those that paradesc.descriptors() lists.
+        One name or several; paradesc.descriptors() lists them.
     radius : float, sequence of float, or "auto"
-        Of the neighborhood that is measured. With several, result["mean_curvature", 0.01] has the values of one, and
-        "mean_curvature_r0.01" is their name. "auto": as profile() finds it, and the estimator that then errs less,
-        unless another than "shape-operator" is asked for.
+        The size of the neighborhood that is measured, in radius_unit. With several radii, result["mean_curvature", 0.01]
+        has the values at one of them, named "mean_curvature_r0.01". "auto" takes the radius that profile() finds, and
+        chooses between the estimators "shape-operator" and "extrapolated" if estimator is left at its default.
     radius_unit : {"diagonal", "absolute", "mean-edge"}
-        What a radius counts: the bounding box's diagonal, the unit of the vertices, or the mean edge.
+        The unit of radius: the diagonal of the bounding box, the unit of the vertices, or the mean edge length.
     samples : int
-        Of the neighborhood of a vertex, at least.
+        The least number of samples in each neighborhood.
     uvs : (n, 2), (corners, 2) or (m, k, 2) array_like
-        At vertices or at corners of faces; the backends "gpu" and "software" need them.
+        Texture coordinates at vertices or at corners of faces. Only the backends "gpu" and "software" need them.
     corner_normals : (n, 3), (corners, 3) or (m, k, 3) array_like
-        For normals "mesh".
+        Normals at vertices or at corners of faces, for normals="mesh".
     sharp_edges : (k, 2) array_like
-        Vertices of edges that are hard.
+        The edges that are hard creases, each by its two vertices.
     creases : {"auto", "marked", "none"}
-        "auto" finds more hard edges by their angles, "marked" takes sharp_edges, and "none" measures past them.
+        "auto" also detects creases by the angles of edges, "marked" uses sharp_edges only, and "none" ignores creases.
     normals : {"fitted", "max", "mesh"}
-        Fitted to the surface, by Max (1999), or those that are given.
+        The normals that curvature is measured with: fitted to the surface, averaged by Max (1999), or corner_normals.
     estimator : {"shape-operator", "extrapolated", "integral"}
-        Of curvature: as fitted, extrapolated to radius 0, or by the paper's integrals (8, 11-14).
+        The estimator of curvature: the fitted shape operator, the same extrapolated to radius 0, or the integrals (8)
+        and (11) to (14) of the paper.
     distance : {"euclidean", "geodesic"}
-        What is near in space, or along the surface.
+        The radius is measured through space, or along the surface.
     domain : {"vertices", "faces"}
-        "faces" measures each at its middle.
+        The places that are measured: every vertex, or the middle of every face.
     map_descriptor : str
-        What operators (laplacian, harris and so on) work on.
+        The descriptor that the operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) are applied to.
     backend : {"auto", "cpu", "gpu", "software", "reference"}
-        "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
+        "auto" and "cpu" use all cores, "gpu" a graphics card, and "software" OpenGL without a card. "reference"
+        integrates exactly, and slowly.
     device_index, threads, memory_limit : int
-        Which card; how many cores, 0 is all, and values do not depend on it; bytes, 0 is half of what is free.
+        The number of the graphics card; the number of threads (0: all cores), which changes no value; the most memory
+        in bytes (0: half of what is free).
     progress : callable
-        Called as progress(stage, fraction); returns False to cancel.
+        A function that is called as progress(stage, fraction), and returns False to cancel.
     **more
-        See options.MoreOptions.
+        Settings that are needed less often. The manual's reference describes them: variance_reduction, geodesic,
+        map_sigma, harris_k, corner_threshold, buffer_size, relocation, max_jumps, seed, pattern, ellipse, evaluate,
+        texels, precision and adaptive.
 
     Returns
     -------
     Result
-        Values of each descriptor, (n,) or (n, 3) float32, also of float64 vertices: the library takes positions and
-        gives values as 32-bit floats, and float64 would show digits that it has not computed. NaN at vertices without a
-        face, at faces without an area, and wherever else a descriptor does not exist.
+        The values of each descriptor, (n,) or (n, 3) float32, also for float64 vertices: the library takes positions and
+        gives values as 32-bit floats, and float64 would show digits that it has not computed. Values are NaN at vertices
+        without a face, at faces without an area, and wherever else a descriptor does not exist.
 
     Raises
     ------
     InputError
-        A ValueError: arrays (empty ones too) or values of options cannot be used.
+        An array or the value of an option cannot be used; empty arrays cannot. It is a ValueError.
     TypeError
         No option has the name of a keyword argument; the sentence names the nearest.
     ParadescError
-        It cannot be computed here (no such device, too little memory), or was cancelled.
+        The computation is not possible here (no such device, too little memory), or was cancelled.
 
     Warns
     -----
@@ -136,7 +143,7 @@ def compute(
 
     Notes
     -----
-    Arrays are not changed. May be called from several threads. Ctrl-C ends it at once.
+    The arrays are not changed. Several threads may call this at once. Ctrl-C ends it at once.
 
     Examples
     --------
@@ -147,7 +154,8 @@ def compute(
     >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
     >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
     >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
-    >>> result = paradesc.compute(vertices, faces, ["mean_curvature", "curvedness"], radius=0.2, radius_unit="absolute")
+    >>> names = ["mean_curvature", "curvedness"]
+    >>> result = paradesc.compute(vertices, faces, names, radius=0.2, radius_unit="absolute")
     >>> result["mean_curvature"].shape
     (441,)
     >>> print(f"{result['mean_curvature'][220]:.2f}")
@@ -181,30 +189,31 @@ def profile(
     progress: Progress | None = None,
     **more: Any,
 ) -> Profile:
-    """Mean curvatures over radii, how much noise and the radius change them, and at which radius that is least.
+    """Measures the mean curvature at several radii, its errors by noise and by blur, and the radius of the least error.
 
     Parameters
     ----------
     vertices, faces
-        As compute() takes them.
+        The mesh, as compute() takes it.
     descriptor : str
-        "mean_curvature", the one whose standard error is known.
+        Only "mean_curvature", the one descriptor whose standard error is known.
     radii : sequence of float
-        Two or more, in radius_unit; None: from the mean edge to 16 % of the diagonal, in steps of about √2.
+        Two radii or more, in radius_unit. By default they go from the mean edge to 16 % of the diagonal, in steps of
+        about √2.
     at : (j,) array_like of int
-        Vertices that the arrays are of; None: all.
+        The vertices that the arrays describe; by default all.
     radius_unit, sharp_edges, progress, **more
-        As compute() takes them. estimator: "shape-operator" or "extrapolated".
+        The same as in compute(). The estimator is "shape-operator" or "extrapolated".
 
     Returns
     -------
     Profile
-        radii (k,), values, standard_error and bias (k, n), best (n,), radius and expected.
+        The radii (k,), with values, standard_error and bias (k, n), best (n,), radius and expected.
 
     Raises
     ------
     InputError, TypeError, ParadescError
-        As of compute(); and where noise is not known: by normals "mesh" and on devices.
+        As compute() does. Noise is not known for normals="mesh" and on graphics cards, so these are refused.
 
     Examples
     --------
@@ -231,20 +240,20 @@ def profile(
 
 
 class Mesh:
-    """A mesh that is kept for several computations: of other descriptors and radii, or of frames that move it.
+    """A mesh that is kept for several computations: for other descriptors and radii, or for frames of an animation.
 
-    What does not depend on positions is made once. A frame has the very bits that compute() gives for its positions.
-    Threads that use one mesh wait for each other.
+    Everything that does not depend on positions is prepared once. Each frame gets the same bits as compute() gives for
+    its positions. Threads that use one mesh wait for each other.
 
     Parameters
     ----------
     vertices, faces, uvs, sharp_edges, backend, device_index, threads, memory_limit
-        As compute() takes them.
+        The same as in compute().
 
     Raises
     ------
     InputError, ParadescError
-        As of compute().
+        As compute() does.
 
     Examples
     --------
@@ -288,7 +297,7 @@ class Mesh:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """(n, 3) float64 in use, which cannot be written into; assign (n, 3) others for the next frame."""
+        """The positions, (n, 3) float64. The array is read-only; assign a new (n, 3) array for the next frame."""
         shown = self._points.view()
         shown.flags.writeable = False
         return shown
@@ -303,7 +312,7 @@ class Mesh:
 
     @property
     def report(self) -> dict[str, float | int]:
-        """What was found in the mesh, at its positions: counts of its parts and defects, its diagonal and mean edge."""
+        """A dict of what was found in the mesh at its positions: counts of parts and defects, diagonal, mean edge."""
         with plain_errors(), self._lock:
             stream = self._opened()
             return stream.mesh_at(self._arrays(stream)).report()
@@ -324,26 +333,26 @@ class Mesh:
         progress: Progress | None = None,
         **more: "Unpack[options.MoreOptions]",
     ) -> Result:
-        """Computes descriptors at the positions of now.
+        """Computes descriptors at the current positions.
 
-        A radius in shares of the diagonal follows a mesh that grows; "absolute" is the same in all frames.
+        A radius as a share of the diagonal grows with the mesh; radius_unit="absolute" keeps it the same in all frames.
 
         Parameters
         ----------
         descriptors, radius, radius_unit, samples, corner_normals, creases
-            As paradesc.compute() takes them.
+            The same as in paradesc.compute().
         normals, estimator, distance, map_descriptor, progress, **more
-            As paradesc.compute() takes them.
+            The same as in paradesc.compute().
 
         Returns
         -------
         Result
-            At vertices.
+            The values at vertices.
 
         Raises
         ------
         InputError, TypeError, ParadescError
-            As of compute(); and of a mesh that is closed.
+            As paradesc.compute() does. A mesh that was closed is a ParadescError.
         """
         named = {
             "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
@@ -364,7 +373,7 @@ class Mesh:
         return told_of(Result(results))
 
     def close(self) -> None:
-        """Frees memory and device; results stay."""
+        """Frees the memory and the device. Results stay valid."""
         with self._lock:
             self._finalizer.detach()
             if self._stream is not None:
@@ -404,10 +413,11 @@ def told_of(result: Result) -> Result:
 
 def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
     """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
+    kind = type(vertices).__name__
     if faces is None:
         vertices, faces = other_meshes.vertices_and_faces(vertices)
     if faces is None:
-        raise InputError("faces is missing; give faces, or a mesh of trimesh, PyVista or Open3D that has them.")
+        raise InputError(f"faces is missing; give two arrays, or one mesh of trimesh, PyVista or Open3D, not a {kind}.")
     points = inputs.points_of(vertices)
     return points, inputs.polygons_of(faces, len(points))
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @pyvista.register_dataset_accessor("paradesc", pyvista.PolyData)
 class ParadescAccessor:
-    """Measures a surface: mesh.paradesc.compute("curvedness", radius=0.05)["curvedness"].
+    """Measures a surface of PyVista, as in mesh.paradesc.compute("curvedness", radius=0.05)["curvedness"].
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ class ParadescAccessor:
     def compute(
         self, descriptors: "str | Sequence[str]" = ("mean_curvature",), radius: Any = 0.02, **options: Any
     ) -> Any:
-        """A copy of the surface that has the values, as point_data or, with domain="faces", as cell_data.
+        """Returns a copy of the surface with the values in point_data, or in cell_data with domain="faces".
 
         Parameters
         ----------
         descriptors, radius, **options
-            As paradesc.compute() takes them.
+            The same as in paradesc.compute().
 
         Returns
         -------
@@ -41,7 +41,7 @@ class ParadescAccessor:
         Raises
         ------
         InputError, ParadescError
-            As of paradesc.compute().
+            As paradesc.compute() does.
 
         Examples
         --------
@@ -58,12 +58,12 @@ class ParadescAccessor:
         return measured
 
     def curvature(self, radius: Any = 0.02, **options: Any) -> Any:
-        """compute() of the mean and the Gaussian curvature, and of both principal ones.
+        """Returns a copy of the surface with the mean, the Gaussian and both principal curvatures.
 
         Parameters
         ----------
         radius, **options
-            As paradesc.compute() takes them.
+            The same as in paradesc.compute().
 
         Returns
         -------
@@ -73,7 +73,7 @@ class ParadescAccessor:
         Raises
         ------
         InputError, ParadescError
-            As of paradesc.compute().
+            As paradesc.compute() does.
         """
         return self.compute(CURVATURES, radius, **options)
 

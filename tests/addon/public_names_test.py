@@ -91,7 +91,7 @@ def test_values_are_float32_whatever_was_given_and_the_documentation_says_so(mes
     points, faces = mesh
     assert paradesc.compute(points.astype(kind), faces, radius=0.1)["mean_curvature"].dtype == np.float32
     for text in (paradesc.compute.__doc__, (ADDON / "manual" / "python.md").read_text(encoding="utf-8")):
-        assert "float32, also of float64 vertices: the library takes positions" in text
+        assert "float32, also for float64 vertices: the library takes positions" in text
 
 
 def test_radii_are_an_axis(mesh):
@@ -102,6 +102,8 @@ def test_radii_are_an_axis(mesh):
     assert ("curvedness", 0.1) in result
     with pytest.raises(KeyError, match="was not computed"):
         result["curvedness", 0.2]
+    with pytest.raises(KeyError, match=re.escape("give a radius too, result['curvedness', 0.05]")):
+        result["curvedness"]
     radii = np.array([0.05, 0.1]) / 3  # more digits than names have
     third = paradesc.compute(*mesh, "curvedness", radii, domain="faces")
     assert np.array_equal(third["curvedness", radii[1]], third["curvedness_r0.0333333"])

@@ -494,7 +494,8 @@ def blocks():
 def test_the_manuals_code_runs(tmp_path, monkeypatch):
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     monkeypatch.chdir(tmp_path)
-    trimesh.creation.icosphere(subdivisions=3).export("part.ply")
+    for name in ("part.ply", "other.ply"):
+        trimesh.creation.icosphere(subdivisions=3).export(name)
     assert import_module("paradesc.pyvista_accessor")  # which an installed package finds by its entry point
 
     names = {}

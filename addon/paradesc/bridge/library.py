@@ -40,9 +40,9 @@ class ParadescError(Exception):
     Attributes
     ----------
     status : int
-        One of PDESC_STATUS_* in paradesc.h.
+        One of the numbers PDESC_ERROR_* of paradesc.h.
     sentence : str
-        What failed, as str() shows it.
+        The sentence that str() shows.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class ParadescError(Exception):
 
 
 class InputError(ParadescError, ValueError):
-    """The given mesh, file or options cannot be used. It is also a ValueError, which Python users expect.
+    """An error in the given mesh, file or options. It is also a ValueError, which Python users expect.
 
     Examples
     --------
@@ -83,24 +83,24 @@ class InputError(ParadescError, ValueError):
 
 @dataclass(frozen=True)
 class Descriptor:
-    """One row of the native registry: what can be computed.
+    """A descriptor that can be computed, as descriptors() lists it.
 
     Attributes
     ----------
     name, label, description : str
-        As compute() takes it; for people; a formula or a sentence.
+        The name that compute() takes; the name for people; a formula or a sentence.
     length_power : int
-        The unit is the length to this power; unit has it as text.
+        The power of the length that is the unit; unit has it as text.
     is_signed : bool
-        Whether values lie on both sides of the neutral one.
+        True if values lie on both sides of the neutral value.
     neutral_value : float
-        The value of a plane; NaN where a plane has none.
+        The value of a plane; NaN if a plane has none.
     display_minimum, display_maximum : float
-        A fixed range for colors; NaN if it follows from the values.
+        A fixed range for colors; NaN if the range follows from the values.
     components : int
-        1, or 3 of a vector in the space of the vertices.
+        1 for numbers, 3 for vectors in the space of the vertices.
     map_degree : int
-        Above 0: an operator on a map, whose unit counts to this power.
+        The power of the map's unit in the result of an operator on a map; 0 for all other descriptors.
 
     Examples
     --------

@@ -33,7 +33,7 @@ SCHEMA = 1
 def make_parser() -> Parser:
     """All commands and their options."""
     parser = Parser(
-        prog="paradesc", description="Geometric descriptors of UV-mapped meshes, computed in their texture space."
+        prog="paradesc", description="Curvature and other geometric descriptors of meshes, at a radius you choose."
     )
     parser.add_argument("--version", action="version", version=f"paradesc {__version__}")
     found = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS), parser_class=Parser)

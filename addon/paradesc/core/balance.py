@@ -47,29 +47,29 @@ Settings, Results = TypeVar("Settings"), TypeVar("Results")
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Profile:
-    """Mean curvatures at several radii, how wrong they are, and the radii at which they are least so.
+    """Mean curvatures at several radii, their errors, and the radii at which these are least.
 
-    Lengths are in the unit of the vertices, and curvatures in 1 / that. n is the number of vertices, in the order that
-    was asked for. NaN where a curvature or its error does not exist.
+    Lengths are in the unit of the vertices, and curvatures are one over that. There are k radii and n vertices, in the
+    order that was asked for. Values are NaN where a curvature or its error does not exist.
 
     Attributes
     ----------
     radii : (k,)
-        From the smallest.
+        The radii, in ascending order.
     values : (k, n)
-        Mean curvatures.
+        The mean curvatures.
     standard_error : (k, n)
-        By noise; that of independent vertices, times what the mesh shows of it.
+        The error by noise: that of independent vertices, scaled to the noise that the mesh shows.
     bias : (k, n)
-        By what the radius blurs, b r² or b r⁴: values less bias and noise are H0. It is noisy, and 0 if none shows.
+        The error by blur, b r² or b r⁴: values minus bias and noise are H0. It is noisy, and 0 where none shows.
     best : (n,)
-        The radius of each vertex at which the expected error, both together, is least.
+        The radius at which the expected error of each vertex, by noise and blur together, is least.
     radius : float
-        That of the whole mesh.
+        The radius at which the expected error of the whole mesh is least.
     expected : float
-        The root mean square of the error that is expected there.
+        The root mean square of the expected error at that radius.
 
     Examples
     --------
@@ -95,18 +95,23 @@ class Profile:
     radius: float
     expected: float
 
+    def __repr__(self) -> str:
+        span = f"{len(self.radii)} radii from {self.radii[0]:.4g} to {self.radii[-1]:.4g}"
+        least = f"expected error {self.expected:.3g}, the least, at the radius {self.radius:.4g}"
+        return f"{len(self.best):,} vertices, {span}: {least}"
+
     def at(self, vertices: Sequence[int] | NDArray[np.integer]) -> "Profile":
-        """The same of some vertices alone; the radius stays that of the whole mesh.
+        """The profile of some vertices alone; its radius stays that of the whole mesh.
 
         Parameters
         ----------
         vertices : (j,) array_like of int
-            Counted from 0.
+            The vertices, counted from 0.
 
         Returns
         -------
         Profile
-            With arrays (k, j) and (j,).
+            A profile with arrays (k, j) and (j,).
 
         Raises
         ------

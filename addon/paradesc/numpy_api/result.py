@@ -14,22 +14,22 @@ from ..core.statistics import statistics
 from .other_meshes import write_to
 
 AnyMesh = TypeVar("AnyMesh")
-# What mends a mesh in Python, where nobody has Blender's menus, by words of the sentences, which end with a menu.
+# What mends a mesh in Python, in place of the menus of Blender that sentences end with, by words of these.
 IN_PYTHON = {
     "wound against each other": "trimesh.repair.fix_winding",
-    "wound inwards": "trimesh.repair.fix_inversion",
+    "wound inwards": "faces[:, ::-1] of an array, or trimesh.repair.fix_inversion",
     "By Distance": "trimesh's merge_vertices with fewer digits",
 }
 
 
 def for_python(sentence: str) -> str:
-    """The sentence with what does the same in Python as the menu at its end."""
+    """The sentence with what mends the mesh in Python in place of the menu at its end."""
     call = next((call for words, call in IN_PYTHON.items() if words in sentence), "")
-    return f"{sentence.removesuffix(').')}, or {call})." if call else sentence
+    return f"{sentence.rpartition(' (')[0]} ({call})." if call else sentence
 
 
 class ParadescWarning(UserWarning):
-    """Says in one sentence what limits the values of a computation.
+    """A warning that says in one sentence what limits the values of a computation.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class ParadescWarning(UserWarning):
     >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
     >>> import warnings
     >>> with warnings.catch_warnings():
-    ...     warnings.simplefilter("ignore", paradesc.ParadescWarning)  # it is wanted so
+    ...     warnings.simplefilter("ignore", paradesc.ParadescWarning)  # on purpose
     ...     result = paradesc.compute(vertices, faces, radius=0.05, radius_unit="absolute")
     >>> print(result.warnings[0])
     The radius is 0.44 of the mean edge: values show facets, not the surface; choose a larger one.
@@ -48,18 +48,18 @@ class ParadescWarning(UserWarning):
 
 
 class Mask(enum.IntFlag):
-    """The bits of Result.mask, which say at each vertex or face what limits its values.
+    """The bits of Result.mask. They say for each vertex or face what limits its values.
 
     Attributes
     ----------
     NO_FACE
-        The vertex has no face, or the face no area; values are NaN.
+        The vertex has no face, or the face has no area; values are NaN.
     BOUNDARY
-        A boundary of the mesh cuts the neighborhood; values are those of what is there.
+        A boundary of the mesh cuts the neighborhood; values are those of the part that exists.
     LOW_COVERAGE
-        The coverage is below 0.9: a graphics card has not found all of the neighborhood in the UV map.
+        The coverage is below 0.9: a graphics card has not found the whole neighborhood in the UV map.
     NO_UV
-        There is no place in the UV map, which graphics cards need; values are NaN.
+        The vertex has no place in the UV map, which graphics cards need; values are NaN.
 
     Examples
     --------
@@ -80,34 +80,34 @@ class Mask(enum.IntFlag):
 
 
 class Result(Mapping[str, NDArray[np.float32]]):
-    """The values at the vertices (or the faces) that were given, in their order, by the names of descriptors.
+    """A mapping from names of descriptors to their values, in the order of the vertices or faces that were given.
 
-    Each is (n,) or, of a direction, (n, 3) float32; NaN where it does not exist. With several radii the names end with
-    them, "mean_curvature_r0.01", and result["mean_curvature", 0.01] takes a radius as it was given. str(result) shows
-    the least, middle and largest of each.
+    Values are (n,) float32, and (n, 3) for directions; they are NaN where a descriptor does not exist. With several radii
+    the names end with the radius, as in "mean_curvature_r0.01", and result["mean_curvature", 0.01] takes the radius as it
+    was given. print(result) shows the minimum, maximum and median of each.
 
     Attributes
     ----------
     coverage : (n,) float32
-        The share of the neighborhood that was found; 1 where all was.
+        The share of the neighborhood that was found, between 0 and 1.
     mask : (n,) uint8
-        Sums of the bits that Mask names.
+        Combinations of the bits that Mask names.
     domain : str
-        "vertices", or "faces" where all arrays are of those.
+        "vertices" or "faces": the places that all arrays belong to.
     units : dict
-        By name: "1/length", "length^3" or "" for none; length is that of the positions.
+        The unit of each array, by name: "1/length", "length^3", or "" for none. The length is that of the positions.
     radii : dict
-        By name, in units of the positions.
+        The radius of each array, by name, in the unit of the positions.
     radius : float
-        The first of them.
+        The first of the radii.
     corners : (k,) int32
-        Vertices that are corners, the strongest first; of the descriptor harris.
+        The vertices that the descriptor harris finds to be corners, the strongest first.
     warnings, notes : list of str
-        Sentences about what limits the values, and about what had no effect or was done otherwise.
+        Sentences about what limits the values, and about settings that had no effect.
     backend, device : str
-        What computed, and its name for people.
+        The backend that computed, and the name of its device.
     report : dict
-        Counts, times and settings by the names of the command line's --json.
+        Counts, times and settings, by the same names as in --json of the command line.
 
     Examples
     --------
@@ -150,7 +150,9 @@ class Result(Mapping[str, NDArray[np.float32]]):
     def __getitem__(self, name: str | tuple[str, float]) -> NDArray[np.float32]:
         own = self._names.get(name, name)
         if own not in self._values:
-            raise KeyError(f"{name!r} was not computed; there is {', '.join(self._values)}")
+            radii = [radius for known, radius in self._names if known == name]
+            wanted = f"; give a radius too, result[{name!r}, {radii[0]:g}]" if radii else ""
+            raise KeyError(f"{name!r} was not computed{wanted}; there is {', '.join(self._values)}")
         return self._values[own]
 
     def __iter__(self) -> Iterator[str]:
@@ -169,12 +171,12 @@ class Result(Mapping[str, NDArray[np.float32]]):
         return "\n".join(lines)
 
     def over_radii(self, descriptor: str) -> NDArray[np.float32]:
-        """The values of one descriptor at all radii.
+        """Stacks the values of one descriptor at all radii.
 
         Parameters
         ----------
         descriptor : str
-            Its name without a radius.
+            The name without a radius.
 
         Returns
         -------
@@ -195,19 +197,19 @@ class Result(Mapping[str, NDArray[np.float32]]):
         Parameters
         ----------
         mesh
-            A mesh of trimesh, PyVista or Open3D with these vertices or faces. trimesh keeps values in
-            vertex_attributes, PyVista in point_data, an Open3D tensor mesh in vertex, there (n, 1) and (n, 3); those of
-            faces in face_attributes, cell_data and triangle.
+            A mesh of trimesh, PyVista or Open3D that has these vertices or faces. Values at vertices go to
+            vertex_attributes of trimesh, point_data of PyVista, and vertex of an Open3D tensor mesh, as (n, 1) and
+            (n, 3). Values at faces go to face_attributes, cell_data and triangle.
 
         Returns
         -------
         mesh
-            The same.
+            The same mesh.
 
         Raises
         ------
         InputError
-            It has another number of vertices or faces, or no place for values.
+            The mesh has another number of vertices or faces, or no place for values.
         """
         write_to(mesh, {**self._values, "coverage": self.coverage}, self.domain)
         return mesh
