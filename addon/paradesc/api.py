@@ -72,18 +72,16 @@ def compute(
     Parameters
     ----------
     vertices : (n, 3) array_like, or a mesh of trimesh, PyVista or Open3D
-        The positions, as real numbers of any type; a mesh of another package brings its faces along. The library
-        computes from 32-bit floats. A mesh that lies farther from the origin than its size is first moved there, so
-        that no digits of its shape are lost.
+        The positions, as real numbers of any type; a mesh of another package brings its faces along. A mesh that lies
+        farther from the origin than its size is first moved there, so that 32-bit floats keep its shape.
     faces : (m, 3) or (m, k) array_like, or a sequence of sequences
-        Triangles or polygons, which may be concave. Vertices are counted from 0, and go counterclockwise as seen from
-        outside.
+        Triangles or polygons (concave ones too) of vertices from 0, counterclockwise as seen from outside.
     descriptors : str or sequence of str
         One name or several; paradesc.descriptors() lists them.
     radius : float, sequence of float, or "auto"
-        The size of the neighborhood that is measured, in radius_unit. With several radii, result["mean_curvature", 0.01]
-        has the values at one of them, named "mean_curvature_r0.01". "auto" takes the radius that profile() finds, and
-        chooses between the estimators "shape-operator" and "extrapolated" if estimator is left at its default.
+        The size of the neighborhood that is measured. With several, result["mean_curvature", 0.01] has the values at
+        one, and "mean_curvature_r0.01" is their name. "auto" takes the radius that profile() finds, and the estimator
+        "shape-operator" or "extrapolated", whichever errs less, unless another is given.
     radius_unit : {"diagonal", "absolute", "mean-edge"}
         The unit of radius: the diagonal of the bounding box, the unit of the vertices, or the mean edge length.
     samples : int
@@ -95,37 +93,33 @@ def compute(
     sharp_edges : (k, 2) array_like
         The edges that are hard creases, each by its two vertices.
     creases : {"auto", "marked", "none"}
-        "auto" also detects creases by the angles of edges, "marked" uses sharp_edges only, and "none" ignores creases.
+        "auto" also detects edges by their angles, "marked" uses sharp_edges only, and "none" ignores creases.
     normals : {"fitted", "max", "mesh"}
         The normals that curvature is measured with: fitted to the surface, averaged by Max (1999), or corner_normals.
     estimator : {"shape-operator", "extrapolated", "integral"}
-        The estimator of curvature: the fitted shape operator, the same extrapolated to radius 0, or the integrals (8)
-        and (11) to (14) of the paper.
+        Curvature by the fitted shape operator, by its extrapolation to radius 0, or by the paper's integrals.
     distance : {"euclidean", "geodesic"}
         The radius is measured through space, or along the surface.
     domain : {"vertices", "faces"}
         The places that are measured: every vertex, or the middle of every face.
     map_descriptor : str
-        The descriptor that the operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) are applied to.
+        The descriptor that gradient_magnitude, laplacian, difference_of_gaussians and harris are applied to.
     backend : {"auto", "cpu", "gpu", "software", "reference"}
-        "auto" and "cpu" use all cores, "gpu" a graphics card, and "software" OpenGL without a card. "reference"
-        integrates exactly, and slowly.
+        All cores ("auto" and "cpu"), a graphics card, OpenGL without a card, or exact and slow integration.
     device_index, threads, memory_limit : int
-        The number of the graphics card; the number of threads (0: all cores), which changes no value; the most memory
-        in bytes (0: half of what is free).
+        The number of the graphics card; the number of threads (0: all cores); the most bytes (0: half of those free).
     progress : callable
         A function that is called as progress(stage, fraction), and returns False to cancel.
     **more
-        Settings that are needed less often. The manual's reference describes them: variance_reduction, geodesic,
-        map_sigma, harris_k, corner_threshold, buffer_size, relocation, max_jumps, seed, pattern, ellipse, evaluate,
-        texels, precision and adaptive.
+        The other settings of the manual's reference: variance_reduction, geodesic, map_sigma, harris_k, buffer_size,
+        corner_threshold, relocation, max_jumps, seed, pattern, ellipse, evaluate, texels, precision and adaptive.
 
     Returns
     -------
     Result
-        The values of each descriptor, (n,) or (n, 3) float32, also for float64 vertices: the library takes positions and
-        gives values as 32-bit floats, and float64 would show digits that it has not computed. Values are NaN at vertices
-        without a face, at faces without an area, and wherever else a descriptor does not exist.
+        Arrays (n,) or (n, 3) of float32, also for float64 vertices: the library takes positions and gives values as
+        32-bit floats, and float64 would show digits that it has not computed. NaN is at vertices without a face, at
+        faces without an area, and wherever else a descriptor does not exist.
 
     Raises
     ------
@@ -154,8 +148,7 @@ def compute(
     >>> u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21))
     >>> vertices = np.stack([u, v, -0.2 * u * u], axis=2).reshape(-1, 3)
     >>> faces = np.arange(420).reshape(20, 21)[:, :20].reshape(-1, 1) + [0, 1, 22, 21]
-    >>> names = ["mean_curvature", "curvedness"]
-    >>> result = paradesc.compute(vertices, faces, names, radius=0.2, radius_unit="absolute")
+    >>> result = paradesc.compute(vertices, faces, radius=0.2, radius_unit="absolute")
     >>> result["mean_curvature"].shape
     (441,)
     >>> print(f"{result['mean_curvature'][220]:.2f}")
@@ -198,8 +191,7 @@ def profile(
     descriptor : str
         Only "mean_curvature", the one descriptor whose standard error is known.
     radii : sequence of float
-        Two radii or more, in radius_unit. By default they go from the mean edge to 16 % of the diagonal, in steps of
-        about √2.
+        Two radii or more; by default from the mean edge to 16 % of the diagonal, in steps of about √2.
     at : (j,) array_like of int
         The vertices that the arrays describe; by default all.
     radius_unit, sharp_edges, progress, **more
@@ -213,7 +205,7 @@ def profile(
     Raises
     ------
     InputError, TypeError, ParadescError
-        As compute() does. Noise is not known for normals="mesh" and on graphics cards, so these are refused.
+        As compute() does; also for normals="mesh" and graphics cards, where noise is not known.
 
     Examples
     --------
@@ -242,8 +234,8 @@ def profile(
 class Mesh:
     """A mesh that is kept for several computations: for other descriptors and radii, or for frames of an animation.
 
-    Everything that does not depend on positions is prepared once. Each frame gets the same bits as compute() gives for
-    its positions. Threads that use one mesh wait for each other.
+    What does not depend on positions is prepared once. Each frame has the same bits as compute() gives. Threads that
+    use one mesh wait for each other.
 
     Parameters
     ----------

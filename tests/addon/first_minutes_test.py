@@ -223,7 +223,7 @@ def test_a_typed_radius_below_the_edges_gets_a_button_below_its_warning():
     bpy.context.scene.paradesc.radius_percent = 2.0
     bpy.ops.paradesc.bake()
     stored = record.read(bpy.context.active_object.data)
-    assert "values show facets" in stored["warnings"]
+    assert "values show single faces" in stored["warnings"]
     assert stored["field_report"]["radius"] < stored["mesh_report"]["mean_edge"]  # which the panel looks at
     bpy.ops.paradesc.fit_radius()
     bpy.ops.paradesc.bake()

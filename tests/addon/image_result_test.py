@@ -193,7 +193,7 @@ def test_packed_images_are_saved_as_the_bake_made_them(settings, tmp_path):  # n
     assert pngs_in(tmp_path) == ["ball_curvature.png"]
     assert (tmp_path / "ball_curvature.png").read_bytes() == made.images[0].packed_file.data
     (tmp_path / "ball_curvature.png").write_bytes(b"mine")
-    with pytest.raises(RuntimeError, match="is there already"):
+    with pytest.raises(RuntimeError, match="it exists already"):
         bpy.ops.paradesc.save_images(directory=str(tmp_path))
     assert (tmp_path / "ball_curvature.png").read_bytes() == b"mine"
 

@@ -81,16 +81,21 @@ def test_inconsistent_winding_is_told_of():
     faces[7] = faces[7, ::-1]
     (sentence,) = curvature(points, faces).warnings
     assert sentence.startswith("3 edges have faces that are wound against each other")
-    assert sentence.endswith("make their winding one (trimesh.repair.fix_winding).")
+    assert sentence.endswith("give the faces one winding (trimesh.repair.fix_winding).")
 
 
 def test_blender_is_told_of_its_menus_and_python_of_calls():
     report = dict.fromkeys(("degenerate_triangles", "copied_triangles", "boundary_edges"), 0)
     report |= {"triangle_count": 100, "parts": 100, "boundary_edges": 300, "opposed_edges": 1, "inward_parts": 1}
     found = mesh_faults.sentences({**report, "nonmanifold_edges": 1})
-    assert [sentence.rpartition(" > ")[2] for sentence in found] == ["Recalculate Outside).", "Recalculate Outside).", "By Distance)."]
+    menus = ["Recalculate Outside", "Recalculate Outside", "By Distance"]
+    assert [sentence.rpartition(" > ")[2] for sentence in found] == [f"{menu})." for menu in menus]
     told = [result.for_python(sentence) for sentence in found]
-    calls = ["trimesh.repair.fix_winding", "faces[:, ::-1] of an array, or trimesh.repair.fix_inversion", "trimesh's merge_vertices with fewer digits"]
+    calls = [
+        "trimesh.repair.fix_winding",
+        "faces[:, ::-1] of an array, or trimesh.repair.fix_inversion",
+        "trimesh's merge_vertices with fewer digits",
+    ]
     assert [sentence.rpartition(" (")[2] for sentence in told] == [f"{call})." for call in calls]
     assert not any("Mesh >" in sentence for sentence in told)
     assert result.for_python("Anything else.") == "Anything else."

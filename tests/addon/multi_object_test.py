@@ -160,7 +160,7 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
     third.scale = (-1.0, 1.0, 1.0)  # a mirror image has the same curvatures
     bpy.context.view_layer.update()
     assert targets.shared_note([first, third]) == []
-    assert "measured as" in targets.shared_note([first, third], source="deformed")[0]
+    assert "measured on" in targets.shared_note([first, third], source="deformed")[0]
     assert targets.shared_note([first], source="deformed") == []
     assert spaces.is_even(mesh_io.world_matrix(third))
 

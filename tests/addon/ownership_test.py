@@ -70,7 +70,7 @@ def test_ours_stays_ours_when_the_mesh_is_edited(target):
 def test_the_sentence_says_what_stays_and_where_the_values_are(target):
     attribute(NAME)(target)
     (sentence,) = mesh_io.write_results(target, made_up_results(target))
-    assert f'"{NAME}" is there' in sentence
+    assert f'"{NAME}" is not from a bake' in sentence
     assert f'"{NAME}_2"' in sentence
 
 

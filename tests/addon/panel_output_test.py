@@ -69,7 +69,7 @@ def test_a_file_that_cannot_be_brought_to_its_place_leaves_the_mesh_as_it_was(se
     monkeypatch.setattr(bake_files.Files, "commit", refuse)
     target = bpy.data.objects["ball"]
     before = fingerprint(target)
-    with pytest.raises(RuntimeError, match="cannot be brought to its place"):
+    with pytest.raises(RuntimeError, match="cannot be moved to its place"):
         bpy.ops.paradesc.bake()
     assert fingerprint(target) == before
     assert names_in(tmp_path) == []

@@ -33,7 +33,7 @@ FAULTS = {
                  ({"descriptors": "cavity"}, "a list of some of"), ({"normals": "odd"}, "one of fitted, max, mesh"),
                  ({"normals": ["max"]}, "one of fitted"), ({"radius_percent": 200}, "from 0.01 to 100"),
                  ({"radius_percent": "2"}, "a number"), ({"radius_absolute": 1e39}, "a number from 1e-06"),
-                 ({"more_radii": "wide"}, "More Radii is no positive number"), ({"more_radii": 3}, "a line of at most"),
+                 ({"more_radii": "wide"}, "is not a positive number"), ({"more_radii": 3}, "a line of at most"),
                  ({"backend": "gpu"}, "which is no setting"), ({"image_path": "/x"}, "which is no setting"),
                  ({"samples": 10**40}, "a number of 41 digits")],
     "colors": [({"percentile": 49.5}, "from 0 to 49"), ({"symmetric": 1}, "true or false"),
@@ -174,11 +174,11 @@ def test_what_cannot_be_saved_or_removed_is_one_sentence(own, tmp_path):
     with pytest.raises(RuntimeError, match='no preset "other" of your own'):
         bpy.ops.paradesc.add_preset(name="other", remove_name=True)
     bpy.context.scene.paradesc.more_radii = "wide"
-    with pytest.raises(RuntimeError, match="More Radii is no positive number"):
+    with pytest.raises(RuntimeError, match="More Radii is not a positive number"):
         bpy.ops.paradesc.add_preset(name="mine")
     shared = written(tmp_path)
     bpy.ops.paradesc.load_preset(filepath=str(shared))
-    with pytest.raises(RuntimeError, match="none of your own"):
+    with pytest.raises(RuntimeError, match="not one of your presets"):
         bpy.ops.paradesc.add_preset(remove_active=True)
     assert shared.is_file()
     assert not list(own.iterdir())

@@ -92,7 +92,7 @@ def test_options_of_operators_and_further_radii_reach_the_computation(settings):
 @pytest.mark.parametrize("words", ["wide", "3, -1", "0", "nan", "3 4"])
 def test_further_radii_that_are_none_are_one_sentence(settings, words):
     settings.more_radii = words
-    with pytest.raises(bridge.ParadescError, match="More Radii is no positive number"):
+    with pytest.raises(bridge.ParadescError, match="More Radii is not a positive number"):
         properties.job_settings(settings)
 
 

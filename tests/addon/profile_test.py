@@ -137,8 +137,8 @@ def test_coarse_meshes_have_an_auto_radius_too():
         (lambda *mesh: paradesc.profile(*mesh, radii=[0.1]), "give two or more"),
         (lambda *mesh: paradesc.profile(*mesh, radii=[0.1, 0.1]), "each once"),
         (lambda *mesh: paradesc.profile(*mesh, at=[-1]), "Entry 0 of at names vertex -1"),
-        (lambda *mesh: paradesc.profile(*mesh, normals="max"), "Noise is not known here"),
-        (lambda *mesh: paradesc.compute(*mesh, radius="auto", normals="max"), "Noise is not known here"),
+        (lambda *mesh: paradesc.profile(*mesh, normals="max"), "noise is not known here"),
+        (lambda *mesh: paradesc.compute(*mesh, radius="auto", normals="max"), "noise is not known here"),
         (lambda *mesh: paradesc.compute(*mesh, radius="Auto"), "radius is 'Auto'"),
     ],
 )

@@ -135,7 +135,7 @@ def refusal(target):
 def test_other_modes_and_dynamic_topology_are_refused_by_a_sentence(wavy):
     assert refusal(wavy) == ""
     bpy.ops.sculpt.dynamic_topology_toggle()
-    assert refusal(wavy).startswith("Switch dynamic topology off")
+    assert refusal(wavy).startswith("Turn off Dyntopo")
     bpy.ops.sculpt.dynamic_topology_toggle()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert refusal(wavy).startswith("Enter sculpt mode first")

@@ -370,7 +370,7 @@ def connect_another_uv_map(tree, image):
         (connect_bump, "Bump"),
         (connect_noise, "Height of the Displacement"),
         (connect_scale, "Scale of the Displacement"),
-        (connect_mapping, "not laid out by a UV map alone"),
+        (connect_mapping, "not mapped by a UV map alone"),
         (connect_object_normals, "another space"),
         (connect_another_uv_map, '"Other"'),
     ],

@@ -146,7 +146,7 @@ def test_dynamic_topology_is_refused_by_a_sentence():
     bpy.ops.object.mode_set(mode="SCULPT")
     bpy.ops.sculpt.dynamic_topology_toggle()
     assert ball.use_dynamic_topology_sculpting
-    assert targets.obstacle(bpy.context).startswith("Switch dynamic topology off")
+    assert targets.obstacle(bpy.context).startswith("Turn off Dyntopo")
     with pytest.raises(RuntimeError, match="poll"):
         bpy.ops.paradesc.bake()
     bpy.ops.sculpt.dynamic_topology_toggle()

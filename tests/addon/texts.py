@@ -33,6 +33,8 @@ PARTS = {
 NO_TEXTS = {
     *("Paradesc", "Paradesc cavity", "Paradesc Cavity of mean_curvature", "Paradesc {0} by {1}", "{0} of {1}"),
     *("Paradesc unwrap", "paradesc live", "The native library is missing", "Paradesc's settings of one scene."),
+    # how Python shows a profile
+    *("{0} radii from {1} to {2}", "expected error {0}, the least, at the radius {1}", "{0} vertices, {1}: {2}"),
     "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
 }
 CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}

@@ -331,7 +331,7 @@ def test_texture_space_makes_one_map_for_all_tiles():
     assert texel_tiles.run_where_asked(arrays, where_asked, SIX).maps["mean_curvature"].shape == (140, 140)
     assert texel_tiles.coarser(140, 48, arrays.corner_uvs) == []
     (note,) = texel_tiles.coarser(8192, 4096, arrays.corner_uvs)
-    assert "some 2825 along a side" in note
+    assert "about 2825 along a side" in note
 
 
 def test_tiles_of_a_coarse_mesh_take_the_detail_of_a_fine_one():

@@ -382,7 +382,7 @@ WRITERS = {
     "vertex group": Writer(click("vertex_group"), baked_then(group(NAME)), MADE),
     "vertex group painted over": Writer(click("vertex_group"), painted_group, MADE),
     "sculpt mask": Writer(
-        click("sculpt_mask"), sculpt_mask, "allow to replace it", again=click("sculpt_mask", replace=True)
+        click("sculpt_mask"), sculpt_mask, "allow replacing it", again=click("sculpt_mask", replace=True)
     ),
     "material": Writer(click("make_material"), materials, changes={"faces"}),
     "material of another kind": Writer(click("make_material"), tuned_material, changes={"slot"}),

@@ -140,6 +140,8 @@ def pieces_of(objects: list[bpy.types.Object], root: Path) -> list[ObjectFrames]
         folder = cache.object_folder(root, item.name, [other.folder for other in pieces])
         piece = ObjectFrames(key_of(item), folder)
         if any(other.folder == piece.folder for other in pieces):
-            piece.failure = f'Another object is called "{item.name}" as well, and has its frames there; rename one.'
+            piece.failure = (
+                f'Another object is also called "{item.name}" and keeps its frames in the same folder; rename one.'
+            )
         pieces.append(piece)
     return pieces

@@ -19,8 +19,8 @@ from ..scene.mesh_io import refuse
 from . import pausing
 
 OWN_VERTICES = (
-    "The original vertices are not found among those that the modifiers make, so that frames hold the values of the "
-    "evaluated mesh's own vertices: they are for reading, and cannot be played on the object."
+    "The modifiers do not keep the original vertices, so the frames hold the values of the evaluated mesh: they can "
+    "be read, but not played on the object."
 )
 
 

@@ -79,8 +79,8 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
     wait: bpy.props.BoolProperty(
         name="Wait for Values",
-        description="Wait for each frame's values before it is drawn. Without it, values follow "
-        "a moment later while you play, drag the current frame or edit. Renders always wait",
+        description="Wait for each frame's values before drawing it. Otherwise values follow a moment later while you "
+        "play, scrub or edit. Renders always wait",
         default=True,
     )
     missing: bpy.props.EnumProperty(
@@ -91,7 +91,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     ranges: bpy.props.CollectionProperty(
-        name="Ranges", description="What the colors of each descriptor span", type=PARADESC_PG_live_range
+        name="Ranges", description="Range of values that the colors span", type=PARADESC_PG_live_range
     )
     ranges_look: bpy.props.StringProperty(
         name="Range Settings", description="The settings of Colors that the ranges follow from", options={"HIDDEN"}
@@ -116,7 +116,7 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
 
     mode: bpy.props.EnumProperty(
         name="Update",
-        description="Where the object's values come from at every frame",
+        description="Source of the object's values at every frame",
         items=MODES,
         default="OFF",
         update=mode_changed,
@@ -127,7 +127,7 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
         get=follows,
         set=follow,
     )
-    sentence: bpy.props.StringProperty(name="Message", description="Why live values were switched off")
+    sentence: bpy.props.StringProperty(name="Message", description="Reason why live values were switched off")
 
 
 classes = (PARADESC_PG_live_range, PARADESC_PG_live, PARADESC_PG_live_object)

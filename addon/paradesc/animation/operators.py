@@ -15,7 +15,7 @@ MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
 class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
-    """Compute the chosen descriptors of the selected meshes at every frame into the cache; frames already there stay"""
+    """Compute the chosen descriptors of the selected meshes for every frame into the cache; existing frames are kept"""
 
     bl_idname = "paradesc.bake_frames"
     bl_label = "Bake Frames"
@@ -55,13 +55,13 @@ def frames_sentence(batch: FrameBatch) -> str:
     folder = sound[0].folder if len(batch.pieces) == 1 else sound[0].folder.parent
     found = {"made": batch.made, "objects": len(sound), "there": there, "folder": folder}
     if len(batch.pieces) == 1:
-        return translation.said("{made} frames baked, {there} were there already: {folder}").format(**found)
-    sentence = "{made} frames of {objects} objects baked, {there} were there already: {folder}"
+        return translation.said("{made} frames baked, {there} existed already: {folder}").format(**found)
+    sentence = "{made} frames of {objects} objects baked, {there} existed already: {folder}"
     return translation.said(sentence).format(**found)
 
 
 class PARADESC_OT_live_range(bpy.types.Operator):
-    """Let the colors of all live objects span the values of this frame, those of played ones that of all frames"""
+    """Fit the colors of live objects to the values of this frame, and those of played objects to all frames"""
 
     bl_idname = "paradesc.live_range"
     bl_label = "Range of This Frame"

@@ -47,7 +47,7 @@ def is_busy() -> bool:
 
 
 class PARADESC_OT_look_at_buttons(bpy.types.Operator):
-    """Note whether a button of the mouse is held, which Blender before 4.2 tells operators alone"""
+    """Note whether a mouse button is held, which Blender before 4.2 reports to operators only"""
 
     bl_idname = "paradesc.look_at_buttons"
     bl_label = "Look at Buttons"

@@ -95,8 +95,8 @@ class Player:
         count = len(target.data.vertices)
         if frame.vertex_count != count:
             raise refuse(
-                f'The frames in "{path.parent}" are of {frame.vertex_count:,} vertices, but "{target.name}" has '
-                f"{count:,}; bake them again, or play them on the object that they are of."
+                f'The frames in "{path.parent}" have {frame.vertex_count:,} vertices, but "{target.name}" has '
+                f"{count:,}; bake them again, or play them on their own object."
             )
         mesh_io.check_writable(target)
         self.frame, self.shown = frame, stamp

@@ -92,7 +92,7 @@ class Batch(Pieces):
         try:
             piece.placed = piece.files.commit()
         except OSError as error:
-            sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
+            sentence = f"A file cannot be moved to its place ({error.strerror or error}): {error.filename}."
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
         if self.write_attributes:
             piece.results.look = self.look

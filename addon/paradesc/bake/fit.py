@@ -9,7 +9,7 @@ from ..core import advice, fitting, members
 from ..scene import targets
 from ..settings import properties, translation
 
-PANEL = ("panel", "As Set", "What the panel has")
+PANEL = ("panel", "As Set", "The descriptors of the panel")
 
 
 class RadiusOption:
@@ -17,15 +17,15 @@ class RadiusOption:
 
     fit: bpy.props.EnumProperty(
         name="Radius from Mesh",
-        description="Fit the radius to the mesh and the mask, or take the one below",
+        description="Fit the radius to the mesh and the mask, or use the one below",
         items=[PANEL, *members.FITS],
         default=PANEL[0],
         options={"SKIP_SAVE"},
     )
     radius: bpy.props.FloatProperty(
         name="Radius",
-        description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box; 0: as the "
-        "panel or the mask has it",
+        description="Radius of the neighborhood that is measured, in percent of the diagonal of the mesh's bounding "
+        "box; 0 uses the value of the panel or the mask",
         default=0.0,
         min=0.0,
         soft_max=20.0,
@@ -52,14 +52,14 @@ class RadiusOption:
 
 
 class PARADESC_OT_fit_radius(bpy.types.Operator):
-    """Fit the radius to the mesh and the mask again, instead of one that was typed"""
+    """Fit the radius to the mesh and the mask again, in place of the typed one"""
 
     bl_idname = "paradesc.fit_radius"
     bl_label = "Fit to Mesh"
     bl_options = {"REGISTER", "UNDO"}
 
     size: bpy.props.EnumProperty(
-        name="Size", description="The size of what is measured", items=members.FITS[:3], default="medium"
+        name="Size", description="The size of the measured shapes", items=members.FITS[:3], default="medium"
     )
 
     @classmethod

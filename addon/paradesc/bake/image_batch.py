@@ -204,7 +204,7 @@ class ImageBatch(Pieces):
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
             piece.told.append(
-                f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: the '
+                f'"{name}" is not the image that a bake of "{piece.name}" made, or was changed, and is kept; the '
                 f'texture is "{place}".'
             )
             piece.notes.append(piece.told[-1])

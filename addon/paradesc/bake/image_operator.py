@@ -63,7 +63,8 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 
     cage: bpy.props.FloatProperty(
         name="Cage Distance",
-        description="How far from the low-poly mesh the detailed ones are looked for; 0: as the panel has it",
+        description="Distance from the low-poly mesh within which the detailed ones are searched; 0 uses the panel's "
+        "value",
         default=0.0,
         min=0.0,
         precision=4,

@@ -13,7 +13,7 @@ class OfImage:
     """Base of the operators on an image that was baked from the active mesh."""
 
     name: bpy.props.StringProperty(
-        name="Image", description="Which of the images; none: the first", default="", options={"SKIP_SAVE"}
+        name="Image", description="Image to show; the first if none is named", default="", options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -32,7 +32,7 @@ class OfImage:
 
 
 class PARADESC_OT_show_image(OfImage, bpy.types.Operator):
-    """Show the image on the mesh in solid viewports, or end that; your materials stay as they are"""
+    """Show the image on the mesh in solid viewports, or stop showing it; your materials are not changed"""
 
     bl_idname = "paradesc.show_image"
     bl_label = "Show on Mesh"
@@ -54,7 +54,7 @@ class PARADESC_OT_show_image(OfImage, bpy.types.Operator):
 
 
 class PARADESC_OT_open_image(OfImage, bpy.types.Operator):
-    """Show the image in an image editor: one that is open, else a new window"""
+    """Show the image in an open image editor, or else in a new window"""
 
     bl_idname = "paradesc.open_image"
     bl_label = "Open"
@@ -75,7 +75,7 @@ class PARADESC_OT_open_image(OfImage, bpy.types.Operator):
 
 
 class PARADESC_OT_open_image_folder(OfImage, bpy.types.Operator):
-    """Open the folder that the image's file is in"""
+    """Open the folder of the image's file"""
 
     bl_idname = "paradesc.open_image_folder"
     bl_label = "Folder"
@@ -103,7 +103,7 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
 
     directory: bpy.props.StringProperty(
         name="Folder",
-        description="Where the files go; empty: beside the .blend",
+        description="Folder of the files; the folder of the .blend if empty",
         default="",
         subtype="DIR_PATH",
         options={"SKIP_SAVE"},
@@ -121,7 +121,7 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
         """Writes all images of the bake to the folder; existing files are kept."""
         directory = self.directory or "//"
         if directory.startswith("//") and not bpy.data.filepath:
-            self.report({"ERROR"}, said("Save the .blend first, beside which images go, or name a folder"))
+            self.report({"ERROR"}, said("Save the .blend first, because images go beside it, or choose a folder"))
             return {"CANCELLED"}
         folder = Path(bpy.path.abspath(directory))
         contents = {
@@ -132,7 +132,7 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
         taken = next((path for path in contents if path.exists()), None)
         try:
             if taken is not None:
-                raise FileExistsError(17, tooltip("it is there already"), str(taken))
+                raise FileExistsError(17, tooltip("it exists already"), str(taken))
             for path, content in contents.items():
                 path.write_bytes(content)
         except OSError as error:

@@ -11,7 +11,7 @@ class MaskOption:
 
     mask: bpy.props.EnumProperty(
         name="Mask",
-        description="What to bake: a mask, or what the panel has",
+        description="Mask to bake, or the descriptors of the panel",
         items=[PANEL, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
         default=PANEL[0],
         options={"SKIP_SAVE"},

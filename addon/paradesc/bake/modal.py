@@ -188,7 +188,7 @@ def over_sidebar(context: bpy.types.Context, event: bpy.types.Event) -> bool:
 
 
 class PARADESC_OT_cancel(bpy.types.Operator):
-    """End what is running, as Esc does; nothing is written"""
+    """Stop the running job, as Esc does; nothing is written"""
 
     bl_idname = "paradesc.cancel"
     bl_label = "Cancel"

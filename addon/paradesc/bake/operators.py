@@ -124,7 +124,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
         """Needs a chosen mesh that is linked or an override."""
         found = any(targets.unwritable(target) for target in targets.chosen(context))
         if not found:
-            cls.poll_message_set(translation.tooltip("Every chosen mesh is local already"))
+            cls.poll_message_set(translation.tooltip("Every selected mesh is already local"))
         return found
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -60,7 +60,7 @@ def write(piece: Piece, invert: bool) -> None:
 
 
 class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
-    """Mask what lies deep or stands out at the panel's radius, as far as it does; hidden parts keep their mask"""
+    """Mask cavities, edges or exposed areas at the panel's radius; hidden parts keep their mask"""
 
     bl_idname = "paradesc.mask_from_shape"
     bl_label = "Mask from Shape"
@@ -69,7 +69,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
 
     mask: bpy.props.EnumProperty(
         name="Mask",
-        description="What is masked",
+        description="Parts to mask",
         items=[(name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in MASKS],
         default=MASKS[0],
     )
@@ -82,7 +82,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
         """One sentence about why the mesh cannot be read or masked, or ""."""
         target = context.active_object
         if target is None or target.mode != "SCULPT":
-            return "Enter sculpt mode first: what is masked there is protected"
+            return "Enter sculpt mode first: masked parts are protected"
         return targets.reading_obstacle(context) or sculpt_masks.multires_obstacle(target)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> MaskBatch:

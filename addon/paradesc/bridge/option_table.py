@@ -53,21 +53,21 @@ TABLE = (
         limits={"min": 0.0, "max": 0.249, "precision": 3, "step": 1}, words={"metavar": "K"}, research=True,
     ),
     Row(
-        "radius_unit", "neighborhood", "diagonal", "radius unit", "Unit", "What the radius is measured in",
+        "radius_unit", "neighborhood", "diagonal", "radius unit", "Unit", "Unit of the radius",
         "diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units",
         choices=(
             ("diagonal", "% of Diagonal", "Percent of the diagonal of the mesh's bounding box"),
             (
                 "absolute",
                 "Length",
-                "A length of the mesh before the object's scale, or of the scene where World is measured",
+                "A length in object space, or in world space if World is measured",
             ),
             ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
         ),
     ),
     Row(
         "samples", "quality", 256, "number of samples", "Samples",
-        "Surface samples around every vertex, at least; more are more exact and slower",
+        "Least number of surface samples around every vertex; more are more exact and slower",
         "samples around a vertex (default: 256)",
         limits={"min": 8, "soft_max": 1024, "max": 4096}, words=COUNT,
     ),
@@ -79,31 +79,31 @@ TABLE = (
         words={"metavar": "THRESHOLD", "nargs": "?", "const": 0.05}, research=True,
     ),
     Row(
-        "precision", "quality", "full", "precision", "Precision", "Size of numbers on the card",
+        "precision", "quality", "full", "precision", "Precision", "Number format on the graphics card",
         "of the buffers (default: full)",
         choices=(
             ("full", "Full", "32-bit numbers"),
-            ("half", "Half", "16-bit numbers: half the memory of the card"),
+            ("half", "Half", "16-bit numbers, which take half the memory"),
         ),
         research=True,
     ),
     Row(
-        "normals", "quality", "fitted", "kind of normals", "Normals", "Where the vertex normals come from",
+        "normals", "quality", "fitted", "kind of normals", "Normals", "Source of the vertex normals",
         "vertex normals (default: fitted)",
         choices=(
             ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
             ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
-            ("mesh", "Of the Mesh", "Take the object's own normals, custom ones included"),
+            ("mesh", "Mesh Normals", "Use the object's own normals, including custom ones"),
         ),
         research=True,
     ),
     Row(
-        "creases", "quality", "auto", "choice of creases", "Creases", "Which edges count as hard",
+        "creases", "quality", "auto", "choice of creases", "Creases", "Edges that count as hard creases",
         "hard edges: marked and found by their angle (default), marked ones alone, or none",
         choices=(
-            ("auto", "Automatic", "Edges marked sharp, and edges that bend far more than what lies beside them"),
+            ("auto", "Automatic", "Edges marked sharp, and edges that bend far more than their surroundings"),
             ("marked", "Marked Sharp", "Only edges that are marked sharp"),
-            ("none", "None", "Round every edge as if the surface were smooth"),
+            ("none", "None", "Treat every edge as smooth"),
         ),
     ),
     Row(
@@ -114,41 +114,41 @@ TABLE = (
         limits={"min": 64, "max": 8192, "subtype": "PIXEL"}, words=COUNT, flag="buffer",
     ),
     Row(
-        "estimator", "method", "shape-operator", "estimator", "Curvatures", "How curvatures are computed",
+        "estimator", "method", "shape-operator", "estimator", "Curvatures", "Estimator of curvatures",
         "curvatures by the fitted shape operator (default), that extrapolated to radius 0, or the paper's integrals",
         choices=(
             ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
             (
                 "integral",
                 "Integral",
-                "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii",
+                "Integrals of the paper: mean curvature from volume, Gaussian from geodesic area; for large radii",
             ),
             (
                 "extrapolated",
                 "Extrapolated",
-                "As fitted, without most of what the radius flattens; for large radii, and noise",
+                "Like Fitted, without most of the blur; for large radii and noise",
             ),
         ),
     ),
     Row(
         "variance_reduction", "method", "shape", "variance reduction", "Control",
-        "How the noise of integrals is reduced",
+        "Variance reduction for the integrals",
         "integrals with the shape operator as control variate (default), or plain sums",
         choices=(
-            ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),
+            ("shape", "Fitted", "Integrate only the residual of the shape operator, with far less noise"),
             ("none", "None", "Plain sums over samples"),
         ),
     ),
     Row(
-        "distance", "method", "euclidean", "distance", "Distance", "How the radius is measured",
+        "distance", "method", "euclidean", "distance", "Distance", "Metric of the radius",
         "what the radius bounds",
         choices=(
-            ("euclidean", "Straight", "Everything within the ball that is connected to the vertex"),
-            ("geodesic", "Along the Surface", "Everything within the radius along the surface"),
+            ("euclidean", "Straight", "The surface within the ball that is connected to the vertex"),
+            ("geodesic", "Along the Surface", "The surface within the radius along the surface"),
         ),
     ),
     Row(
-        "evaluate", "method", "vertex", "place of evaluation", "Evaluate At", "Where descriptors are computed",
+        "evaluate", "method", "vertex", "place of evaluation", "Evaluate At", "Places where descriptors are computed",
         "at vertices, or texels looked up",
         choices=(
             ("vertex", "Vertices", "Evaluate at the vertices themselves"),
@@ -156,12 +156,12 @@ TABLE = (
         ),
     ),
     Row(
-        "relocation", "method", "connected", "relocation", "Over Seams", "How neighborhoods go on over seams",
+        "relocation", "method", "connected", "relocation", "Over Seams", "Continuation of neighborhoods across seams",
         "over seams: what is connected (default), each sample by affine maps, or as the paper does",
         choices=(
-            ("connected", "Connected", "Take what is connected to the vertex; in texture space the same as Affine"),
-            ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
-            ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
+            ("connected", "Connected", "The part that is connected to the vertex; in texture space the same as Affine"),
+            ("affine", "Affine", "Carry every sample across seams by the map of the seam edge"),
+            ("paper", "Paper", "Sample again on every chart that samples reach, as the paper does"),
         ),
     ),
     Row(
@@ -173,11 +173,11 @@ TABLE = (
         "affine, paper: places of the samples",
         choices=(
             ("golden-angle", "Golden Angle", "A spiral; the most even"),
-            ("stratified", "Stratified", "One random place in each square of a grid, as the paper has it"),
+            ("stratified", "Stratified", "One random place in each square of a grid, as in the paper"),
         ),
     ),
     Row(
-        "ellipse", "method", "center", "ellipse", "Stretch", "How the pattern follows the distortion",
+        "ellipse", "method", "center", "ellipse", "Stretch", "Stretching of the pattern by the UV map's distortion",
         "affine, paper: extent by the distortion at the center, or the largest on the way",
         choices=(
             ("center", "At the Vertex", "Stretch the pattern by the distortion at the vertex"),
@@ -185,14 +185,14 @@ TABLE = (
         ),
     ),
     Row(
-        "geodesic", "method", "local", "geodesic distance", "Geodesic", "How distance along the surface is measured",
+        "geodesic", "method", "local", "geodesic distance", "Geodesic", "Formula for the distance along the surface",
         "along the surface by a local formula (default), or by chords (affine, paper)",
         choices=(
             ("local", "Local", "Distance along the surface by the normal curvature between two points"),
             (
                 "chords",
                 "Chords",
-                "Sum of chords along the straight way in the UV map; not with connected neighborhoods",
+                "Sum of chords along the straight line in the UV map; not for connected neighborhoods",
             ),
         ),
     ),

@@ -215,8 +215,8 @@ def profile_of(
     known = np.isfinite(values).all(axis=0) & np.isfinite(errors).all(axis=0)
     if not known.any():
         raise InputError(
-            "Noise is not known here, so no radius balances it: that takes fitted normals on the processor and no image "
-            "that displaces; give the radius as a number."
+            "The noise is not known here, so it cannot choose the radius: this takes fitted normals on the processor "
+            "and no displacement image; give the radius as a number."
         )
     first, second = changes_between(r, telling)
     share = 1 / (r[second] ** blur - r[first] ** blur)

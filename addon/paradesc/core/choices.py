@@ -42,7 +42,7 @@ def more_radii(group: object) -> tuple[float, ...]:
         if radius is None:
             continue
         if not (math.isfinite(radius) and radius > 0):
-            sentence = f'"{word.strip()}" in More Radii is no positive number; write numbers with commas between them.'
+            sentence = f'"{word.strip()}" in More Radii is not a positive number; separate numbers by commas.'
             raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
         radii.append(scaled_radius(group, radius))
     return tuple(radii)

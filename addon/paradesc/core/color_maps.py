@@ -216,9 +216,9 @@ MAPS = {
     for row in (
         ColorMap(SEQUENTIAL, "Viridis", "Violet, green, yellow: dark to light", False, viridis),
         ColorMap("heat", "Heat", "Black, red, yellow, white: dark to light", False, heat),
-        ColorMap("blue-yellow", "Blue to Yellow", "Told apart with any color vision: dark to light", False,
+        ColorMap("blue-yellow", "Blue to Yellow", "From dark to light, readable with any color vision", False,
             line((0.25, 0.09, 262.0), (0.95, 0.11, 100.0)), UNDEFINED_IN_GREY),
-        ColorMap(GREY, "Grey", "Black to white: the value itself as light, as shaders read it", False, value_itself,
+        ColorMap(GREY, "Grey", "From black to white; shaders read the value itself", False, value_itself,
             UNDEFINED_IN_GREY),
         ColorMap(DIVERGING, "Blue, White, Red", "Light in the middle, dark ends", True,
             two_sided(0.97, 0.45, 0.175, (262.0, 25.0))),
@@ -226,7 +226,7 @@ MAPS = {
             two_sided(0.97, 0.45, 0.13, (310.0, 145.0))),
         ColorMap("blue-black-orange", "Blue, Black, Orange", "Dark in the middle, light ends", True,
             two_sided(0.2, 0.76, 0.125, (245.0, 65.0))),
-        ColorMap("cavity", "Cavity", "Black hollows, grey, white edges: as masks and overlays want it", True,
+        ColorMap("cavity", "Cavity", "Black hollows, grey surface, white edges; for masks and overlays", True,
             line((0.2, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
     )
 }  # fmt: skip

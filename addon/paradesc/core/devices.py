@@ -16,10 +16,10 @@ TITLES = {
     "cpu": "Processor",
 }
 ABOUT = {
-    "auto": "The processor; the software rasterizer for what takes OpenGL",
+    "auto": "The processor, and the software rasterizer for settings that need OpenGL",
     "gpu": "A graphics card with OpenGL 4.5",
     "software": "The method of graphics cards on the processor, by a software rasterizer",
-    "reference": "Exact integration over the triangles, to compare with; slow, needs no UV map",
+    "reference": "Exact integration over the triangles, for comparison; slow, needs no UV map",
     "cpu": "Samples of the surface on all cores of the processor; needs no UV map",
 }
 

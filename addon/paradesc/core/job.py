@@ -195,7 +195,7 @@ class Results:
         if least >= edge or self.settings.radius_fit == fitting.FITTED:
             return self.shape_notes
         share = f"{least / edge:.2g}"
-        facets = f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."
+        facets = f"The radius is only {share} of the mean edge, so values show single faces; choose a larger one."
         return [*self.shape_notes, facets]
 
     def unused_notes(self) -> list[str]:
@@ -263,7 +263,7 @@ def check_descriptors(names: tuple[str, ...]) -> None:
             sentence = f'There is no descriptor "{name}"; choose from {", ".join(known)}.'
             raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
         if names.count(name) > 1:
-            sentence = f'The descriptor "{name}" is asked for twice.'
+            sentence = f'The descriptor "{name}" is listed twice.'
             raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
@@ -377,7 +377,7 @@ def run_radii(
     """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)
     if len(set(map(radius_suffix, radii))) < len(radii):
-        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is asked for twice.")
+        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is listed twice.")
     results: Results | None = None
     for index, radius in enumerate(radii):
         suffix = radius_suffix(radius) if len(radii) > 1 else ""

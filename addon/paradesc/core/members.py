@@ -43,17 +43,17 @@ def option(row: bridge.Row) -> Member:
 
 
 FITS = [
-    ("fine", "Fine", "The smallest detail that the mesh has"),
-    ("medium", "Medium", "What suits most masks: one and a half edges, or 0.5 % of a dense mesh"),
+    ("fine", "Fine", "The smallest detail of the mesh"),
+    ("medium", "Medium", "The usual choice for masks: one and a half edges, or 0.5 % of a dense mesh"),
     ("broad", "Broad", "Large forms"),
-    ("typed", "Typed", "The radius as it was typed"),
+    ("typed", "Typed", "The typed radius"),
 ]
 SPACES = [
     ("object", "Object", "The mesh as it is stored, before the object's scale"),
     (
         "world",
         "World",
-        "The mesh as it stands in the scene: scaled, also unevenly or mirrored, by the object and parents",
+        "The mesh as it stands in the scene, with the scale of the object and its parents, even uneven or mirrored",
     ),
 ]
 SHAPES = [
@@ -65,8 +65,8 @@ IMAGE_FORMATS = [
     (".png", "PNG, 16 Bits", "Values from the smallest to the largest as 16-bit numbers, a file for each descriptor"),
 ]
 OUTSIDE = [
-    ("neutral", "Neutral", "The value of a flat surface: 0.5 of values with a sign"),
-    ("transparent", "Transparent", "An alpha channel that is 0 there"),
+    ("neutral", "Neutral", "The value of a flat surface, which is 0.5 for values with a sign"),
+    ("transparent", "Transparent", "An alpha channel, which is 0 outside the surface"),
 ]
 BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 COLOR_MAPS = [
@@ -77,10 +77,10 @@ SPANS = [
     (
         "auto",
         "Automatic",
-        "Masks up to nearly their largest value, others over the descriptor's own range where it has one, else from "
-        "the 2.5th to the 97.5th percentile",
+        "Masks end near their largest value; other descriptors take their own range, or else the 2.5th to the 97.5th "
+        "percentile",
     ),
-    ("percentile", "Percentiles", "All values but a percentage on either side"),
+    ("percentile", "Percentiles", "All values except a percentage at either end"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),
 ]
 # The first click bakes both masks: any mesh shows at least one of them, and worn materials need both.
@@ -147,37 +147,38 @@ def neighborhood_members() -> dict[str, Member]:
     return {
         "radius_percent": member(
             "float", name="Radius",
-            description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box",
+            description="Radius of the neighborhood that is measured, in percent of the diagonal of the mesh's "
+            "bounding box",
             default=2.0, min=0.01, soft_max=20.0, max=100.0, precision=2, subtype="PERCENTAGE",
         ),
         "radius_absolute": member(
             "float", name="Radius",
-            description="How far a vertex looks around, as a length: of the mesh before the object's scale, or of the "
-            "scene where World is measured",
+            description="Radius of the neighborhood that is measured, as a length in object space, or in world space "
+            "if World is measured",
             default=0.1, min=1e-6, precision=4, unit="LENGTH",
         ),
         "radius_edges": member(
             "float", name="Radius",
-            description="How far a vertex looks around, in multiples of the mesh's mean edge length",
+            description="Radius of the neighborhood that is measured, in multiples of the mesh's mean edge length",
             default=4.0, min=0.01, soft_max=50.0, precision=2,
         ),
         **options("neighborhood"),
         "radius_fit": member(
             "choice", name="Radius from Mesh",
-            description="Each bake fits the radius to the mesh and the mask; typing a radius keeps that one",
+            description="Fit the radius to the mesh and the mask at each bake; a typed radius is kept",
             items=FITS, default="medium",
         ),
         "more_radii": member(
             "text", name="More Radii",
-            description="Further radii in the same unit, separated by commas, computed at once; with any, every "
-            "result's name ends in _r and its radius",
+            description="Further radii in the same unit, separated by commas, computed at once; the name of every "
+            "result then ends in _r and its radius",
         ),
         "space": member(
             "choice", name="Space", description="Measure in object or in world space", items=SPACES, default="object"
         ),
         "shape_key": member(
             "choice", name="Shape",
-            description="Which shape of a mesh with shape keys is measured", items=SHAPES, default="basis"
+            description="Measured shape of a mesh with shape keys", items=SHAPES, default="basis"
         ),
     }  # fmt: skip
 
@@ -210,26 +211,26 @@ def output_members() -> dict[str, Member]:
     return {
         "write_attributes": member(
             "bool", name="Attributes",
-            description="Leave values and colors on the mesh, as attributes of its vertices",
+            description="Store values and colors on the mesh as attributes of its vertices",
             default=True,
         ),
         "write_image": member(
             "bool", name="Image over UV Map",
-            description="Write the values as an image in the mesh's UV map", default=False
+            description="Write the values as an image over the mesh's UV map", default=False
         ),
         "image_format": member(
             "choice", name="Format", description="Kind of image file", items=IMAGE_FORMATS, default=".exr"
         ),
         "image_path": member(
             "text", name="Image",
-            description="Where the image goes; the suffix follows the format, and of several meshes the name of each "
-            "is added",
+            description="Path of the image; the suffix follows the format, and for several meshes the name of each is "
+            "added",
             default="//paradesc.exr", subtype="FILE_PATH",
         ),
         **options("output"),
         "image_outside": member(
             "choice", name="Outside",
-            description="What textures show where there is no surface", items=OUTSIDE, default="neutral"
+            description="Content of textures outside the surface", items=OUTSIDE, default="neutral"
         ),
         "image_packed": member(
             "bool", name="Pack Channels",
@@ -239,13 +240,13 @@ def output_members() -> dict[str, Member]:
         ),
         "image_to_material": member(
             "bool", name="Add to Material",
-            description="Put the textures into the object's active material as image nodes, ready to be connected",
+            description="Add the textures to the object's active material as image nodes, ready to be connected",
             default=False,
         ),
         "cage": member(
             "float", name="Cage",
-            description="How far from a low-poly mesh the detailed one is looked for, along the normals to both sides; "
-            "0: a tenth of its diagonal",
+            description="Distance from a low-poly mesh within which the detailed one is searched, along the normals "
+            "to both sides; 0 is a tenth of its diagonal",
             default=0.0, min=0.0, precision=4, subtype="DISTANCE",
         ),
         "write_buffers": member(
@@ -255,7 +256,7 @@ def output_members() -> dict[str, Member]:
         ),
         "buffers_path": member(
             "text", name="Folder",
-            description="Where the buffers go; of several meshes, the name of each is added",
+            description="Folder of the buffers; for several meshes, the name of each is added",
             default="//paradesc_buffers", subtype="DIR_PATH",
         ),
     }  # fmt: skip
@@ -265,19 +266,19 @@ def color_members() -> dict[str, Member]:
     """The settings for colors."""
     return {
         "color_map": member(
-            "choice", name="Color Map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC
+            "choice", name="Color Map", description="Colors for the values", items=COLOR_MAPS, default=AUTOMATIC
         ),
         "span": member(
             "choice", name="Range", description="The values at the ends of the color map", items=SPANS, default="auto"
         ),
         "percentile": member(
             "float", name="Left Out",
-            description="Share of the values left outside the range on either side",
+            description="Percentage of the values that is left outside the range at either end",
             default=CLIPPED_PERCENT, min=0.0, max=49.0, precision=1, subtype="PERCENTAGE",
         ),
         "symmetric": member(
             "bool", name="Symmetric",
-            description="Of values with a sign: the same range on both sides of the neutral value",
+            description="For values with a sign, use the same range on both sides of the neutral value",
             default=True,
         ),
         "minimum": member(
@@ -291,15 +292,15 @@ def color_members() -> dict[str, Member]:
             default=1.0, precision=4,
         ),
         "contrast": member(
-            "float", name="Contrast", description="Steepens the mask about its middle; no bake is needed",
+            "float", name="Contrast", description="Steepen the mask about its middle; no bake is needed",
             default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
         ),
         "brightness": member(
-            "float", name="Brightness", description="Lifts or lowers the middle of the mask; black and white stay",
+            "float", name="Brightness", description="Raise or lower the middle of the mask; black and white stay",
             default=0.0, min=-1.0, max=1.0, precision=2, subtype="FACTOR",
         ),
         "invert": member(
-            "bool", name="Invert", description="Exchange black and white", default=False
+            "bool", name="Invert", description="Swap black and white", default=False
         ),
         "same_scale": member(
             "bool", name="Same Scale",
@@ -308,12 +309,12 @@ def color_members() -> dict[str, Member]:
         ),
         "use_neutral": member(
             "bool", name="Own Neutral Value",
-            description="Choose the value in the middle of maps with two sides, instead of the descriptor's own",
+            description="Choose the value in the middle of diverging color maps, in place of the descriptor's own",
             default=False,
         ),
         "neutral": member(
             "float", name="Neutral",
-            description="The value in the middle of maps with two sides",
+            description="The value in the middle of diverging color maps",
             default=0.0, precision=4,
         ),
     }  # fmt: skip

@@ -31,8 +31,8 @@ def without_area(report: dict[str, float | int]) -> list[str]:
     if flat <= MANY_WITHOUT_AREA * count:
         return []
     return [
-        f"{flat:,} of {count:,} triangles have no area and are left out: see whether the file was written and read "
-        "right, else dissolve them (Mesh > Clean Up > Degenerate Dissolve)."
+        f"{flat:,} of {count:,} triangles have no area and are left out: check whether the file was written and read "
+        "correctly, or dissolve them (Mesh > Clean Up > Degenerate Dissolve)."
     ]
 
 
@@ -41,16 +41,17 @@ def wound(report: dict[str, float | int]) -> list[str]:
     found = []
     if report["opposed_edges"]:
         found.append(
-            f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken apart "
-            "there: make their winding one (in edit mode, with all selected, Mesh > Normals > Recalculate Outside)."
+            f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken "
+            "apart there: give the faces one winding (in edit mode, with all selected, Mesh > Normals > Recalculate "
+            "Outside)."
         )
     if report["inward_parts"]:
         count = report["inward_parts"]
         some = f"{count:,} closed part is" if count == 1 else f"{count:,} closed parts are"
         which = "The closed mesh is" if report["parts"] == 1 else some
         found.append(
-            f"{which} wound inwards, so that what is convex counts as concave: turn the faces (in edit mode, with "
-            "all selected, Mesh > Normals > Recalculate Outside)."
+            f"{which} wound inwards, so convex places count as concave: turn the faces (in edit mode, with all "
+            "selected, Mesh > Normals > Recalculate Outside)."
         )
     return found
 
@@ -61,10 +62,10 @@ def fallen_apart(report: dict[str, float | int], used: int) -> str:
     parts = f"The mesh falls apart: {counted}, and values are those of single faces"
     if report["boundary_edges"] > used:
         return (
-            f"{parts}. Where corners lie beside each other, make them one (in edit mode, with all selected, Mesh > Merge > "
-            "By Distance)."
+            f"{parts}. Merge corners that lie beside each other (in edit mode, with all selected, Mesh > Merge > By "
+            "Distance)."
         )
-    return f"{parts}. Remove faces that lie within or upon others, and make the winding of the rest one."
+    return f"{parts}. Remove faces that lie within or upon others, and give the rest one winding."
 
 
 def edges(count: int) -> str:

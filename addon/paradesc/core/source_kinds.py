@@ -3,16 +3,16 @@
 ORIGINAL, DEFORMED, EVALUATED, AUTOMATIC = "original", "deformed", "evaluated", "auto"
 SOURCES = (
     (ORIGINAL, "Base Mesh", "The object's own mesh, before shape keys and modifiers"),
-    (DEFORMED, "Deformed", "The same mesh as armature, shape keys, lattice, cloth and their like move it"),
+    (DEFORMED, "Deformed", "The same mesh as armatures, shape keys, lattices, cloth and similar modifiers deform it"),
     (
         EVALUATED,
         "With Modifiers",
-        "What all modifiers make of it; all of its vertices get values, and so do the object's own",
+        "The mesh after all modifiers; all of its vertices get values, and so do the object's own",
     ),
 )
 NAMES = tuple(name for name, _, _ in SOURCES)
 # The source of a single bake in a window unless another one is chosen. Files keep the numbers of the choices.
-AUTOMATIC_SOURCE = (AUTOMATIC, "As Shown", "With modifiers and shape keys where the viewport shows any")
+AUTOMATIC_SOURCE = (AUTOMATIC, "As Shown", "With modifiers and shape keys, as the viewport shows it")
 
 
 def in_words(*names: str) -> str:

@@ -118,6 +118,7 @@ def coarser(side: int, size: int, uvs: np.ndarray) -> list[str]:
     if side >= wanted:
         return []
     return [
-        f"All UDIM tiles share one map of {side} texels here, so in each some {size * side / wanted:.0f} along a side "
-        "are measured and those between are interpolated; the processor (cpu) measures one tile after another."
+        f"On this device all UDIM tiles share one map of {side} texels, so each tile has about "
+        f"{size * side / wanted:.0f} along a side, and values between them are interpolated; the processor (cpu) "
+        "measures the tiles one by one."
     ]

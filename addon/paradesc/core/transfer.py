@@ -160,7 +160,7 @@ def run(
 def check_cage(cage: float) -> None:
     """Refuses a cage that is not a distance."""
     if not (np.isfinite(cage) and cage >= 0):
-        sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 to have it chosen."
+        sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 for the default."
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
@@ -316,6 +316,6 @@ def add_sentences(results: Results, name: str) -> None:
     ending = "" if few else "; raise the cage distance"
     sentence = (
         f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
-        f"{found.cage:.4g} and have values from beside them{ending}."
+        f"{found.cage:.4g} and take the values of their neighbors{ending}."
     )
     (results.notes if few else results.warnings).append(sentence)

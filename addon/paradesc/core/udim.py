@@ -21,7 +21,7 @@ FARTHEST = 1e6
 KEY_STEP = 1 << 24  # tells squares of one row from those of the next, wherever a map lies
 # Reasons for a single image where tiles may be expected.
 OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
-REPEATS = "Most of the UV map crosses borders of UDIM tiles, as that of a texture that repeats does."
+REPEATS = "Most of the UV map crosses borders of UDIM tiles, as for a texture that repeats."
 
 
 @dataclass(frozen=True)

@@ -57,12 +57,12 @@ PRESETS = {
     ),
     "openness": Preset(
         "Openness",
-        "How open the space around each point is, 0.5 on a plane: a mask for dust, or for soft light and shade",
+        "Openness of the space around each point, 0.5 on a plane: a mask for dust, or for soft light and shade",
         {"descriptors": {"ambient_openness"}, **FITTED},
     ),
     "shape_classes": Preset(
         "Shape Classes",
-        "Cup, rut, saddle, ridge or cap by the shape index, and how strongly so by the curvedness",
+        "Cup, rut, saddle, ridge or cap by the shape index, and its strength by the curvedness",
         {"descriptors": {"shape_index", "curvedness"}, "radius_percent": 3.0},
     ),
     "corners": Preset(

@@ -43,7 +43,7 @@ class ParadescWarning(UserWarning):
     ...     warnings.simplefilter("ignore", paradesc.ParadescWarning)  # on purpose
     ...     result = paradesc.compute(vertices, faces, radius=0.05, radius_unit="absolute")
     >>> print(result.warnings[0])
-    The radius is 0.44 of the mean edge: values show facets, not the surface; choose a larger one.
+    The radius is only 0.44 of the mean edge, so values show single faces; choose a larger one.
     """
 
 
@@ -82,9 +82,9 @@ class Mask(enum.IntFlag):
 class Result(Mapping[str, NDArray[np.float32]]):
     """A mapping from names of descriptors to their values, in the order of the vertices or faces that were given.
 
-    Values are (n,) float32, and (n, 3) for directions; they are NaN where a descriptor does not exist. With several radii
-    the names end with the radius, as in "mean_curvature_r0.01", and result["mean_curvature", 0.01] takes the radius as it
-    was given. print(result) shows the minimum, maximum and median of each.
+    Values are (n,) float32, and (n, 3) for directions; they are NaN where a descriptor does not exist. With several
+    radii the names end with the radius, as in "mean_curvature_r0.01", and result["mean_curvature", 0.01] takes the
+    radius as it was given. print(result) shows the minimum, maximum and median of each.
 
     Attributes
     ----------

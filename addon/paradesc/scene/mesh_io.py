@@ -189,8 +189,8 @@ def attribute_names(shown: Iterable[str], extras: Iterable[str], at: dict[str, s
 def moved_notes(at: dict[str, str]) -> list[str]:
     """Notes about attributes that could not get their usual names."""
     return [
-        f'An attribute or vertex group "{name}" is there that no bake has left like this, and stays as it is: the '
-        f'values are in "{place}".'
+        f'The attribute or vertex group "{name}" is not from a bake, or was changed, and is kept; the values are in '
+        f'"{place}".'
         for name, place in at.items()
         if name != place
     ]
@@ -247,7 +247,7 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
             if mesh.attributes.get(name) is None:
                 made.append(make_attribute(mesh, name))
             if made and made[-1] not in names:
-                raise refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what is called so.')
+                raise refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what has this name.')
     except (RuntimeError, ParadescError):
         for name in made:
             mesh.attributes.remove(mesh.attributes[name])
@@ -258,7 +258,9 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     """Creates one of our attributes; returns the name that Blender gave it."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
-        raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}"; rename what is called so.')
+        raise refuse(
+            f'Blender could not make the attribute "{name}" on the mesh "{mesh.name}"; rename what has this name.'
+        )
     return attribute.name
 
 

@@ -286,7 +286,7 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
         yield
         return
     if MARK in mesh.attributes:
-        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, that name is needed.')
+        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
     active = mesh.attributes.active_index
     made = mesh.attributes.new(MARK, "FLOAT_VECTOR", "POINT")
     try:

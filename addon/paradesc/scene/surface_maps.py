@@ -97,8 +97,8 @@ def read_material(target: bpy.types.Object, maps: SurfaceMaps) -> list[str]:
         notes += read_normal_node(target, material, output, maps)
     if not notes:
         raise refuse(
-            f'The material "{material.name}" has no Displacement or Normal Map node with an Image Texture; '
-            "there is no map to take."
+            f'The material "{material.name}" has no Displacement or Normal Map node with an Image Texture; there is '
+            "no map to use."
         )
     return notes
 
@@ -112,7 +112,7 @@ def single_material(target: bpy.types.Object) -> bpy.types.Material:
         raise refuse(f'The object "{target.name}" has no material to take maps from.')
     if len(found) > 1:
         names = ", ".join(sorted(f'"{material.name}"' for material in found))
-        raise refuse(f'The object "{target.name}" has several materials ({names}); maps are taken from one only.')
+        raise refuse(f'The object "{target.name}" has several materials ({names}); maps can be used from one only.')
     return found.pop()
 
 
@@ -126,8 +126,8 @@ def read_displacement_node(
     node = socket.node
     if node.type != "DISPLACEMENT":
         raise refuse(
-            f'The displacement of the material "{material.name}" comes from a {node.bl_label} node; '
-            "only a Displacement node of an Image Texture can be taken."
+            f'The displacement of the material "{material.name}" comes from a {node.bl_label} node; only a '
+            "Displacement node with an Image Texture can be used."
         )
     image, channel = image_of(target, material, node, "Height")
     pixels = read_linear(image)
@@ -164,8 +164,8 @@ def read_normal_node(
     if node.type != "NORMAL_MAP" or node.space != "TANGENT":
         what = f"a {node.bl_label} node" + (" in another space" if node.type == "NORMAL_MAP" else "")
         raise refuse(
-            f'The normals of the material "{material.name}" come from {what}; '
-            "only a Normal Map node in tangent space of an Image Texture can be taken."
+            f'The normals of the material "{material.name}" come from {what}; only a Normal Map node in tangent space '
+            "with an Image Texture can be used."
         )
     check_uv_map(target, node.uv_map, node)
     image, channel = image_of(target, material, node, "Color")
@@ -218,8 +218,8 @@ def image_of(
     plain = way is None or way.node.type == "UVMAP" or (way.node.type == "TEX_COORD" and way.name == "UV")
     if not plain or texture.projection != "FLAT":
         raise refuse(
-            f'The image "{texture.image.name}" in the material "{material.name}" is not laid out by a UV map alone; '
-            "only that can be taken."
+            f'The image "{texture.image.name}" in the material "{material.name}" is not mapped by a UV map alone; '
+            "only such images can be used."
         )
     check_uv_map(target, way.node.uv_map if way is not None and way.node.type == "UVMAP" else "", texture)
     return texture.image, socket.name

@@ -95,7 +95,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
     for target in targets:
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
-            return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
+            return "Turn off Dyntopo or leave sculpt mode first"
     return ""
 
 
@@ -203,7 +203,7 @@ def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: s
     """A note about which object was measured, if objects share a mesh but not its modifiers or scale."""
     first, *others = sharing
     if others and source != source_kinds.ORIGINAL:
-        return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']
+        return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured on "{first.name}".']
     if space != "world":
         return []
     own = np.sort(spaces.scales(mesh_io.world_matrix(first)))

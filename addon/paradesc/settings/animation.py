@@ -16,7 +16,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
 
     source: bpy.props.EnumProperty(
         name="Source",
-        description="Which mesh a single bake measures",
+        description="Mesh that a single bake measures",
         items=[*SOURCES, AUTOMATIC_SOURCE],
         default=AUTOMATIC,
     )
@@ -31,10 +31,10 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     )
     frame_start: bpy.props.IntProperty(name="Start", description="First frame to bake", default=1)
     frame_end: bpy.props.IntProperty(name="End", description="Last frame to bake", default=250)
-    frame_step: bpy.props.IntProperty(name="Step", description="Bake every so many frames", default=1, min=1)
+    frame_step: bpy.props.IntProperty(name="Step", description="Interval between baked frames", default=1, min=1)
     cache_folder: bpy.props.StringProperty(
         name="Cache",
-        description="Where frames are kept, in a folder for each object; // is the folder of the .blend",
+        description="Folder of the frames, which have a folder for each object; // is the folder of the .blend",
         subtype="DIR_PATH",
         default=DEFAULT_CACHE,
         options=path_options(),
@@ -45,7 +45,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
         default=False,
     )
     overwrite: bpy.props.BoolProperty(
-        name="Overwrite", description="Compute frames again that are in the cache already", default=False
+        name="Overwrite", description="Compute frames again that are already in the cache", default=False
     )
 
 

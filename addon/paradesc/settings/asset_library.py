@@ -18,7 +18,7 @@ def place() -> int:
 
 
 class PARADESC_OT_asset_library(bpy.types.Operator):
-    """Show Paradesc's materials and node groups in the Asset Browser, or take them out of it again"""
+    """Show Paradesc's materials and node groups in the Asset Browser, or remove them from it"""
 
     bl_idname = "paradesc.asset_library"
     bl_label = "Add to Asset Browser"

@@ -74,10 +74,10 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
         default=True,
         update=redraw,
     )
-    pack_red: bpy.props.StringProperty(name="Red", description="The values that become red; empty: 0")
-    pack_green: bpy.props.StringProperty(name="Green", description="The values that become green; empty: 0")
-    pack_blue: bpy.props.StringProperty(name="Blue", description="The values that become blue; empty: 0")
-    pack_alpha: bpy.props.StringProperty(name="Alpha", description="The values that become alpha; empty: 1")
+    pack_red: bpy.props.StringProperty(name="Red", description="Values that become red; 0 if empty")
+    pack_green: bpy.props.StringProperty(name="Green", description="Values that become green; 0 if empty")
+    pack_blue: bpy.props.StringProperty(name="Blue", description="Values that become blue; 0 if empty")
+    pack_alpha: bpy.props.StringProperty(name="Alpha", description="Values that become alpha; 1 if empty")
     pack_name: bpy.props.StringProperty(
         name="Name", description="The color attribute that the channels become", default="paradesc_packed", maxlen=60
     )

@@ -31,7 +31,8 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     show_results: bpy.props.BoolProperty(
         name="Show Results",
-        description="After a bake or with Live, solid viewports show its colors in flat light; the eye takes that back",
+        description="After a bake or with Live, solid viewports show the colors in flat light; the eye button restores "
+        "them",
         default=True,
     )
     presets_folder: bpy.props.StringProperty(
@@ -43,7 +44,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
 
     research_settings: bpy.props.BoolProperty(
         name="Research Settings",
-        description="Draw every setting in the panels, also those that compare methods and reproduce the paper",
+        description="Show every setting in the panels, including those that compare methods and reproduce the paper",
         default=False,
     )
 

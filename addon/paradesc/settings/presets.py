@@ -105,7 +105,7 @@ class PARADESC_OT_preset(Chooses, bpy.types.Operator):
 
     name: bpy.props.EnumProperty(
         name="Preset",
-        description="What the settings are for",
+        description="Purpose of the settings",
         items=[(name, preset.label, preset.purpose) for name, preset in PRESETS.items()],
     )
     choose = staticmethod(apply)
@@ -120,7 +120,7 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
 
     name: bpy.props.EnumProperty(
         name="Mask",
-        description="What the values are for",
+        description="Purpose of the values",
         items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
     )
     extend: bpy.props.BoolProperty(
@@ -200,7 +200,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
 
 
 class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
-    """Keep these settings as a preset of your own, or remove the one that was chosen last"""
+    """Save these settings as a preset, or remove the preset that was chosen last"""
 
     bl_idname = "paradesc.add_preset"
     bl_label = "Add Preset"
@@ -208,13 +208,13 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
 
     name: bpy.props.StringProperty(
         name="Name",
-        description="What the menu calls the preset",
+        description="Name of the preset in the menu",
         maxlen=preset_file.LONGEST_NAME,
         options={"SKIP_SAVE"},
     )
     purpose: bpy.props.StringProperty(
         name="Purpose",
-        description="What the preset is for, as its tooltip says it; may be left empty",
+        description="Purpose of the preset, for its tooltip; may be left empty",
         maxlen=preset_file.LONGEST_PURPOSE,
         options={"SKIP_SAVE"},
     )
@@ -259,7 +259,7 @@ def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
         return NO_NAME
     folder = preset_folders.own_folder(create=True)
     if folder is None:
-        return "Blender has no folder of your own where presets could be kept."
+        return "Blender has no user folder for presets."
     path = preset_file.place_of(folder, name)
     content = preset_members.content_of(scene, name, purpose)
     preset_rules.check(path, content)
@@ -277,7 +277,7 @@ def remove(name: str) -> str:
         return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
     path = paths[0]
     if not preset_folders.is_own(path):
-        return f'"{path.name}" is none of your own presets, and stays.'
+        return f'"{path.name}" is not one of your presets, so it is not removed.'
     path.unlink(missing_ok=True)
     preset_folders.forget()
     if path in chosen:

@@ -66,7 +66,7 @@ class PARADESC_OT_show_research(bpy.types.Operator):
 
 
 class PARADESC_OT_reset_research(bpy.types.Operator):
-    """Give all research settings of this scene their defaults"""
+    """Reset all research settings of this scene to their defaults"""
 
     bl_idname = "paradesc.reset_research"
     bl_label = "Reset"

@@ -77,7 +77,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     An undefined value becomes neutral, or 0.
     """
     if name not in float_names(mesh):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float a vertex.')
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
     values = arrays.read_array(mesh.attributes[name].data, "value", np.float32)
     defined = np.isfinite(values)
     if name not in recolor.baked_names(mesh):
@@ -160,7 +160,7 @@ def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
     weights = shares(target.data, name)
     if sculpt_masks.is_painted(target.data) and not replace:
         raise mesh_io.refuse(
-            f'The mesh "{target.data.name}" has a sculpt mask; allow to replace it, or clear it in sculpt mode first.'
+            f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode first.'
         )
     sculpt_masks.write(target, weights)
 
@@ -209,12 +209,12 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
         pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
         words = translation.label({item[0]: item[1] for item in PACKED_DOMAINS}[group.pack_domain]).lower()
-        sentence = translation.said('Packed into "{name}", one color a {place}')
+        sentence = translation.said('Packed into "{name}", one color per {place}')
         self.report({"INFO"}, sentence.format(name=group.pack_name, place=words))
 
 
 class PARADESC_OT_corner_colors(NeedsShown, bpy.types.Operator):
-    """Copy the colors shown to face corners in 8 bits, as vertex paint and older exporters have them"""
+    """Copy the shown colors to face corners in 8 bits, for vertex paint and older exporters"""
 
     bl_idname = "paradesc.corner_colors"
     bl_label = "Corner Colors"
@@ -243,7 +243,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
     bl_label = "Sculpt Mask"
 
     replace: bpy.props.BoolProperty(
-        name="Replace", description="Replace a mask that is there", default=False, options={"SKIP_SAVE"}
+        name="Replace", description="Replace an existing mask", default=False, options={"SKIP_SAVE"}
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -260,7 +260,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
 
 
 class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
-    """Copy all values to attributes whose names begin with an underscore, which glTF's exporter takes along"""
+    """Copy all values to attributes whose names begin with an underscore, which the glTF exporter includes"""
 
     bl_idname = "paradesc.export_copies"
     bl_label = "Copies for glTF"

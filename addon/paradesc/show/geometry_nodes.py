@@ -54,12 +54,12 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(
         name="Kind",
-        description="What the nodes do",
+        description="Effect of the nodes",
         items=[
             ("swell", "Swell", "Move vertices along their normals by the value"),
-            ("keep", "Keep Above", "Keep what lies above a value, delete the rest"),
+            ("keep", "Keep Above", "Keep the parts above a value, and delete the rest"),
             ("mark", "Mark Above", "Write a boolean attribute paradesc_selection, true above a value"),
-            ("scatter", "Scatter", "Put small objects where the value is high, denser the higher it is"),
+            ("scatter", "Scatter", "Scatter small objects by the value, the denser the higher it is"),
         ],
         default="swell",
     )
@@ -69,7 +69,7 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
         mesh = target.data
         name = recolor.shown_name(mesh) or recolor.baked_names(mesh)[0]
         if recolor.is_direction(name):
-            raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value a vertex.")
+            raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value per vertex.")
         shown = recolor.stored_range(mesh, name)
         mask = record.attribute_of(mesh, UNDEFINED_MASK)
         tree = shared(build(self.kind, name, shown.minimum, shown.maximum, mask))

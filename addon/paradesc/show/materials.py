@@ -90,7 +90,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
         radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
         if radius is None:
             raise mesh_io.refuse(
-                f'The mesh "{mesh.name}" does not say any more which radius "{mean}" has; bake it again.'
+                f'The mesh "{mesh.name}" no longer stores the radius of "{mean}"; bake it again.'
             )
         asset, attributes, settings = OF_MEAN, {"mean_curvature": mean}, {"Radius": radius}
         title = f"{CAVITY_GROUP} of {mean}"
@@ -151,7 +151,7 @@ def unplug(material: bpy.types.Material) -> None:
 
 
 class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
-    """Show a descriptor by a material on a slot of its own; your materials stay, and Remove gives the faces back"""
+    """Show a descriptor by a material in its own slot; your materials are kept, and Remove restores the faces"""
 
     bl_idname = "paradesc.make_material"
     bl_label = "Material"
@@ -160,10 +160,10 @@ class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(
         name="Kind",
-        description="What the material shows",
+        description="Lighting of the colors",
         items=[
             ("colors", "Colors", "The colors of the descriptor that is shown, lit as the scene is"),
-            ("flat", "Flat Colors", "The colors exactly as the legend has them, without light"),
+            ("flat", "Flat Colors", "The colors exactly as in the legend, without light"),
             ("cavity", "Cavity", "A clay with dirt in its hollows and worn edges"),
         ],
         default="colors",
@@ -196,7 +196,7 @@ class PARADESC_OT_plug_cavity(recolor.NeedsBake, bpy.types.Operator):
 
 
 class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
-    """Give all faces their former materials again, and take the cavity group out of them"""
+    """Restore the former materials of all faces, and remove the cavity group from them"""
 
     bl_idname = "paradesc.remove_material"
     bl_label = "Remove"

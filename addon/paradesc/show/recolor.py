@@ -53,7 +53,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and the map with which a descriptor's colors on this mesh were made."""
     stored = record.read(mesh)
     if name not in stored.get("ranges", {}):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer stores the range of "{name}"; bake it again.')
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))
@@ -67,7 +67,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) or (n, 3) float32 values of one of our attributes; not in edit mode, where Blender hides them."""
     if name not in mesh.attributes or not is_usable(mesh, name):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" any more; bake them again.')
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the values "{name}"; bake them again.')
     return arrays.attribute_values(mesh.attributes[name])
 
 
@@ -75,11 +75,11 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     """Makes a descriptor's colors again with the look; returns their range. Not in edit mode."""
     colors = f"{name}_color"
     if colors not in mesh.attributes:
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{colors}" any more; bake them again.')
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the colors "{colors}"; bake them again.')
     if not ownership.is_as_left(mesh, colors, mesh_io.wanted_kind(colors), ownership.faces_of(mesh)):
         raise mesh_io.refuse(
-            f'The colors "{colors}" of the mesh "{mesh.name}" were painted over since they were made, and stay; bake '
-            "again, and others are made beside them."
+            f'The colors "{colors}" of the mesh "{mesh.name}" were painted over and are kept; bake again to make '
+            "others beside them."
         )
     values = stored_values(mesh, name)
     stored = record.read(mesh)
@@ -170,7 +170,7 @@ class NeedsBake:
 
 
 class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
-    """Make the colors of all selected meshes again as they are set here, without computing anything"""
+    """Color all selected meshes again by these settings, without computing anything"""
 
     bl_idname = "paradesc.recolor"
     bl_label = "Recolor"
@@ -179,7 +179,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
 
     every: bpy.props.BoolProperty(
         name="All Descriptors",
-        description="Not only the one whose colors are shown",
+        description="All masks, not only the one whose colors are shown",
         default=False,
         options={"SKIP_SAVE"},
     )
@@ -275,7 +275,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
     whole_selection = True
 
-    name: bpy.props.EnumProperty(name="Descriptor", description="Whose colors to show", items=name_items)
+    name: bpy.props.EnumProperty(name="Descriptor", description="Descriptor whose colors are shown", items=name_items)
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes the descriptor's colors active on each mesh for which it was baked."""
@@ -305,7 +305,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
 
 
 class PARADESC_OT_restore_shading(bpy.types.Operator):
-    """Show the viewports as they were before the bake; the values stay on the mesh"""
+    """Restore the viewports to their state before the bake; the values stay on the mesh"""
 
     bl_idname = "paradesc.restore_shading"
     bl_label = "Restore Shading"

@@ -118,4 +118,4 @@ def discard(material: bpy.types.Material | None) -> list[str]:
         bpy.data.materials.remove(material)
         return []
     material.use_fake_user = True  # Blender saves only what is used
-    return [f'The material "{material.name}" was changed since it was made, and stays in the file.']
+    return [f'The material "{material.name}" was changed since it was made, so it is kept in the file.']

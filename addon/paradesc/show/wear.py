@@ -93,7 +93,7 @@ def fault(target: bpy.types.Object) -> str:
     if slots.DESCRIPTOR in material:
         return f'The material "{material.name}" shows values; choose one of your own.'
     if material.node_tree is not None and base_shader(material) is None:
-        return f'The material "{material.name}" has no Principled BSDF in use, whose colors could wear.'
+        return f'The material "{material.name}" has no Principled BSDF in use, and wear needs one.'
     return ""
 
 
@@ -136,7 +136,7 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
         dress(node, look_values(material.node_tree, look or AS_IS))
     kept = tuned_inputs(node) if look else []
     if kept:
-        return [f'The wear of "{material.name}" keeps what was tuned: {", ".join(kept)}.']
+        return [f'The wear of "{material.name}" keeps the values that you tuned: {", ".join(kept)}.']
     return []
 
 
@@ -257,7 +257,7 @@ def remove(target: bpy.types.Object) -> list[str]:
         if not has_wear(material):
             continue
         if material.library is not None or material.override_library is not None:
-            notes.append(f'The material "{material.name}" is linked from another file, and stays.')
+            notes.append(f'The material "{material.name}" is linked from another file, so it is kept.')
         elif is_look(material):
             notes += take_away(target, index)
         else:
@@ -269,7 +269,7 @@ def take_away(target: bpy.types.Object, index: int) -> list[str]:
     """Removes a look that an object was given; a material that somebody has tuned is kept."""
     material = target.material_slots[index].material
     if not tuned.is_as_left(material):
-        return [f'The material "{material.name}" was changed since it was made, and stays.']
+        return [f'The material "{material.name}" was changed since it was made, so it is kept.']
     if target.data.pop(OWN_SLOT, False) and len(target.material_slots) == 1:
         target.data.materials.clear()
     else:

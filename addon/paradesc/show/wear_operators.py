@@ -93,7 +93,7 @@ def batch_of(kind: type, context: bpy.types.Context, found: list[bpy.types.Objec
 
 
 class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
-    """Bake cavity and edge wear, and let the active material of the selected objects be dirty and worn by them"""
+    """Bake cavity and edge wear, and add dirt and worn edges to the active materials of the selected objects"""
 
     bl_idname = "paradesc.add_wear"
     bl_label = "Add Wear to Material"
@@ -102,7 +102,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
 
     look: bpy.props.EnumProperty(
         name="Look",
-        description="Colors and levels of dirt and wear; what was tuned stays",
+        description="Colors and levels of dirt and wear; values that you tuned are kept",
         items=[
             (wear.AS_IS, "Own Colors", "Dirt darkens and wear brightens the colors that the material has"),
             ("PAINTED_METAL", "Painted Metal", "Bare steel at the edges, grime in the hollows"),
@@ -168,7 +168,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
 
 
 class PARADESC_OT_remove_wear(bpy.types.Operator):
-    """Take wear out of the materials of the selected objects; masks stay on the mesh"""
+    """Remove wear from the materials of the selected objects; masks stay on the mesh"""
 
     bl_idname = "paradesc.remove_wear"
     bl_label = "Remove Wear"

@@ -131,7 +131,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
     if uneven and settings.space == "object":
         if not stored_report(chosen[0]):  # its warnings say so at length
-            sentence_lines(context, layout, "The object's uneven scale does not count", "INFO")
+            sentence_lines(context, layout, "The object's uneven scale is ignored", "INFO")
         layout.prop_enum(settings, "space", "world", text=label("Measure in World"), translate=False, icon="WORLD")
 
 

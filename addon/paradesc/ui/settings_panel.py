@@ -89,7 +89,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
 
 
 class PARADESC_MT_devices(bpy.types.Menu):
-    """What can compute here"""
+    """Devices that can compute here"""
 
     bl_idname = "PARADESC_MT_devices"
     bl_label = "Device"
@@ -164,7 +164,7 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
     """The registry in groups, each with a title."""
     rows = bridge.descriptors()
     groups = [
-        ("Of the Surface", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("On the Surface", [row for row in rows if row.components == 1 and not row.map_degree]),
         ("Directions", [row for row in rows if row.components > 1]),
         ("Filters Of", [row for row in rows if row.components == 1 and row.map_degree]),
     ]
