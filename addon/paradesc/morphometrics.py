@@ -27,8 +27,10 @@ NAMES = (
 @click.command(name="paradesc", short_help="Curvature by Paradesc, in place of pycurv (step 2), in seconds.")
 @click.argument("configfile", type=click.Path(exists=True))
 @click.argument("surface", required=False)
-@click.option("--radius", type=float, help="Of the neighborhood, in the surface's unit (default: radius_hit pi/2).")
-@click.option("-f", "--force", is_flag=True, help="Write over results that are there, pycurv's among them.")
+@click.option("--radius", type=float, help=(
+    "Radius of the neighborhood, in the surface's unit (default: radius_hit pi/2)."
+))
+@click.option("-f", "--force", is_flag=True, help="Overwrite existing results, also those of pycurv.")
 def command(configfile: str, surface: str | None, radius: float | None, force: bool) -> None:
     """Computes curvature for the next steps, by Paradesc in place of pycurv.
 
@@ -69,7 +71,7 @@ def measure(path: Path, hit: float, radius: float, force: bool) -> list[Path]:
     out, table, *graph = [path.with_name(f"{base}.AVV_rh{hit}{suffix}") for suffix in suffixes]
     there = [one.name for one in (out, table, *graph) if one.exists()]
     if there and not force:
-        raise InputError(f"{there[0]} is there already; add --force to write over it.")
+        raise InputError(f"{there[0]} exists already; add --force to overwrite it.")
     (mesh,) = mesh_files.read(path)
     points, triangles, values = quantities(mesh.arrays.positions, mesh.arrays.triangle_vertices, radius)
     write_whole(out, None, lambda place, _: vtk_files.write_polydata(place, points, triangles, values, True))

@@ -285,12 +285,12 @@ def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cyl
     ("words", "said"),
     [
         (("--frames", "5:1"), "before the first"),
-        (("--range", "5"), "is no range"),
+        (("--range", "5"), "is not a range"),
         (("--range=3:-3",), "must end above"),
         (("--frames", "1", "--cache", "file"), "cannot be made"),
         (("--source", "rest"), "source"),
         (("--frames", "1", "--shape-key", "active"), "leave --shape-key out"),
-        (("--frames", "1", "--object", "skeleton"), "no mesh"),
+        (("--frames", "1", "--object", "skeleton"), "not a mesh"),
     ],
     ids=str,
 )

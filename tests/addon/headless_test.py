@@ -115,14 +115,14 @@ def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
     [
         (
             ["--radius", "0.1,x"],
-            '"0.1,x" is no radius; give a number, several with commas, or auto; see paradesc bake --help.',
+            '"0.1,x" is not a radius; give a number, several with commas, or auto; see paradesc bake --help.',
         ),
         (
             ["--memory-limit", "0"],
-            '"0" is no amount of memory; give a number of gigabytes above 0; see paradesc bake --help.',
+            '"0" is not an amount of memory; give a number of gigabytes above 0; see paradesc bake --help.',
         ),
-        (["--memory-limit", "1e300"], '"1e300" is no amount of memory'),
-        (["--memory-limit", "nan"], '"nan" is no amount of memory'),
+        (["--memory-limit", "1e300"], '"1e300" is not an amount of memory'),
+        (["--memory-limit", "nan"], '"nan" is not an amount of memory'),
         (["--colour-map", "heat"], 'There is no option "--colour-map"; see paradesc bake --help.'),
         (["second.obj"], 'There is no place for "second.obj"; see paradesc bake --help.'),
     ],

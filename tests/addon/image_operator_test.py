@@ -250,8 +250,8 @@ def test_packed_channels_are_a_file_of_their_own(run, report, sphere_obj, tmp_pa
     [
         (("--pack", "cavity,convexity"), "three or four"),
         (("--pack", "cavity,cavity,convexity"), "three or four different"),
-        (("--pack", "cavity,convexity,nothing"), '"nothing" is no descriptor'),
-        (("--pack", "cavity,convexity,principal_direction_max"), "is no descriptor for a channel"),
+        (("--pack", "cavity,convexity,nothing"), '"nothing" is not a descriptor'),
+        (("--pack", "cavity,convexity,principal_direction_max"), "is not a descriptor for a channel"),
         (("--pack", "cavity,convexity,ambient_openness", "--descriptors", "cavity"), "convexity, ambient_openness"),
     ],
     ids=str,

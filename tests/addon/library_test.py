@@ -191,7 +191,7 @@ def test_a_failure_of_the_machine_is_tried_again_and_never_allowed(library, tmp_
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["--part", "3/2"], 2, "is no part"),
+        (["--part", "3/2"], 2, "is not a part"),
         (["--part", "1/2", "--asset", "set_0/asset_0000.obj"], 2, "not both"),
         (["--asset", "missing.obj"], 3, "There is no file"),
         (["--workers", "0"], 2, "at least 1"),

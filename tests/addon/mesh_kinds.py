@@ -307,7 +307,7 @@ VTK = {
 
 
 def vtp(way="binary", packed=True, head="UInt32", order="<", pieces=1, raw=False):
-    """way: of the arrays. raw: what is appended is no base64."""
+    """way: of the arrays. raw: what is appended is not base64."""
     points, triangles = sphere()
     behind = b""
 

@@ -128,7 +128,7 @@ def test_results_that_are_there_stay_unless_they_may_be_replaced(config):
     theirs.write_text("from PyCurv")
     done = run(config)
     assert done.exit_code == 1
-    assert "TE1_IMM.AVV_rh4.csv is there already; add --force to write over it." in done.output
+    assert "TE1_IMM.AVV_rh4.csv exists already; add --force to overwrite it." in done.output
     assert theirs.read_text() == "from PyCurv"
     assert not (config.parent / "TE1_IMM.AVV_rh4.vtp").exists()
     assert run(config, "-f").exit_code == 0

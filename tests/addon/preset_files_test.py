@@ -23,10 +23,10 @@ pytestmark = pytest.mark.usefixtures("registered")
 FAULTS = {
     "paradesc_preset": [(None, "is missing"), (2, "update the add-on"), ("1", "where the version 1 belongs"),
                         (True, "where the version 1 belongs"), (0, "where the version 1 belongs")],
-    "name": [(None, 'has no "name"'), (" ", 'has no "name"'), (7, "no line of at most 60"), ("a\nb", "no line of"),
-             ("x" * 61, "no line of"), ("\ud800", "no line of")],
-    "purpose": [(["a"], "no line of at most 500")],
-    "settings": [([], "that is no object"), ({"samples": 3}, "from 8 to 4096"), ({"samples": 99.5}, "a whole number"),
+    "name": [(None, 'has no "name"'), (" ", 'has no "name"'), (7, "not a line of at most 60"), ("a\nb", "not a line of"),
+             ("x" * 61, "not a line of"), ("\ud800", "not a line of")],
+    "purpose": [(["a"], "not a line of at most 500")],
+    "settings": [([], "that is not an object"), ({"samples": 3}, "from 8 to 4096"), ({"samples": 99.5}, "a whole number"),
                  ({"samples": True}, "a whole number"), ({"samples": None}, "give a truth value"),
                  ({"samples": {"a": [1]}}, "give a truth value"), ({"descriptors": [["cavity"]]}, "give a truth value"),
                  ({"descriptors": []}, "a list of some of"), ({"descriptors": ["wobble"]}, "a list of some of"),
@@ -34,28 +34,28 @@ FAULTS = {
                  ({"normals": ["max"]}, "one of fitted"), ({"radius_percent": 200}, "from 0.01 to 100"),
                  ({"radius_percent": "2"}, "a number"), ({"radius_absolute": 1e39}, "a number from 1e-06"),
                  ({"more_radii": "wide"}, "is not a positive number"), ({"more_radii": 3}, "a line of at most"),
-                 ({"backend": "gpu"}, "which is no setting"), ({"image_path": "/x"}, "which is no setting"),
+                 ({"backend": "gpu"}, "which is not a setting"), ({"image_path": "/x"}, "which is not a setting"),
                  ({"samples": 10**40}, "a number of 41 digits")],
     "colors": [({"percentile": 49.5}, "from 0 to 49"), ({"symmetric": 1}, "true or false"),
-               ({"show_legend": True}, "which is no setting"), ({"span": "fixed", "minimum": 2}, "not above 2")],
-    "image": [({"texels": 8}, "from 16 to 8192"), ({"image_path": "//x.exr"}, "which is no setting"),
-              ({"write_image": True}, "which is no setting")],
+               ({"show_legend": True}, "which is not a setting"), ({"span": "fixed", "minimum": 2}, "not above 2")],
+    "image": [({"texels": 8}, "from 16 to 8192"), ({"image_path": "//x.exr"}, "which is not a setting"),
+              ({"write_image": True}, "which is not a setting")],
     "script": [("import os", "which is unknown")],
 }  # fmt: skip
 BYTES = {
-    b"": "no JSON in line 1",
-    b"{": "no JSON in line 1",
-    b"[]": "is no preset of Paradesc",
+    b"": "not JSON in line 1",
+    b"{": "not JSON in line 1",
+    b"[]": "is not a preset of Paradesc",
     b'{"paradesc_preset": 1, "name": "a"}': "sets nothing",
     b'{"paradesc_preset": 1, "name": "a", "name": "b"}': '"name" twice',
-    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": NaN}}': "NaN, which is no number",
-    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": -Infinity}}': "Infinity, which is no number",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": NaN}}': "NaN, which is not a number",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": -Infinity}}': "Infinity, which is not a number",
     b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": 1e999}}': "too large",
     b"[" * 500_000: "nested too deeply",
     b'{"paradesc_preset": 1, "name": "\xff"}': "no JSON in UTF-8",
     json.dumps(SOUND).encode("utf-16"): "no JSON in UTF-8",
     b" " * 1_000_001: "larger than 1 MB",
-    b"import os\nos.system('x')": "no JSON in line 1",
+    b"import os\nos.system('x')": "not JSON in line 1",
 }
 
 
@@ -296,7 +296,7 @@ def test_the_menu_lists_ours_then_the_users_then_those_of_the_shared_folder(own,
     listed = [*ours, "---", ("Ape", True), ("zebra", True), "---", ("broken.json", False), ("Studio Cavity", True)]
     assert drawn() == listed
     asked = SimpleNamespace(filepath=str(shared / "broken.json"))
-    assert "is no JSON in line 1" in presets.PARADESC_OT_load_preset.description(bpy.context, asked)
+    assert "is not JSON in line 1" in presets.PARADESC_OT_load_preset.description(bpy.context, asked)
     asked.filepath = str(shared / "preset.json")
     assert presets.PARADESC_OT_load_preset.description(bpy.context, asked) == SOUND["purpose"]
 

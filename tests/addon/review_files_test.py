@@ -12,7 +12,7 @@ BUGS = ROOT.parent / "shared" / "reviews" / "bugs"
 FILES = sorted(path for path in BUGS.glob("*/*") if path.suffix.lower() in mesh_files.SUFFIXES)
 # The sentence of each file that is refused.
 REFUSED = {
-    "decimal_comma.obj": "line 1, .* is no row of numbers; decimals take a point",
+    "decimal_comma.obj": "line 1, .* is not a row of numbers; decimals take a point",
     "empty.obj": "it is empty",
     "f_zero_based.obj": 'line 643, "f 0 162 164", names vertex 0, and there are 642, counted from 1',
     "fo.obj": "has no faces",  # a word that was given up in 1995

@@ -37,13 +37,13 @@ TABLE = (
     Row(
         "map_descriptor", "analysis", "sphere_volume_normalized", "map descriptor", "Map Descriptor",
         "The descriptor whose values over the surface the operators work on",
-        "what the operators (harris, laplacian, ...) work on (default: sphere_volume_normalized)",
+        "descriptor that operators (harris, laplacian, ...) are applied to (default: sphere_volume_normalized)",
         words={"metavar": "A"},
     ),
     Row(
         "map_sigma", "analysis", 1.0, "sigma", "Sigma",
         "Standard deviation of the operators' Gaussian windows, in multiples of the radius",
-        "of harris' and difference_of_gaussians' windows, times the radius (default: 1)",
+        "standard deviation of the windows of harris and difference_of_gaussians, times the radius (default: 1)",
         limits={"min": 0.1, "soft_max": 2.0, "max": 4.0, "precision": 2}, words={"metavar": "S"}, research=True,
     ),
     Row(
@@ -54,7 +54,7 @@ TABLE = (
     ),
     Row(
         "radius_unit", "neighborhood", "diagonal", "radius unit", "Unit", "Unit of the radius",
-        "diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units",
+        "unit of the radius: diagonal of the bounding box (default), units of the mesh, or mean edge length",
         choices=(
             ("diagonal", "% of Diagonal", "Percent of the diagonal of the mesh's bounding box"),
             (
@@ -74,13 +74,13 @@ TABLE = (
     Row(
         "adaptive", "quality", 0.0, "threshold", "Adaptive",
         "Halve the samples where the error of the fit is below this angle; 0 is never",
-        "half of the samples where normals fit to this angle, in radians",
+        "halve the samples where the error of the fit is below this angle, in radians",
         limits={"min": 0.0, "soft_max": 0.2, "precision": 3, "subtype": "ANGLE"},
         words={"metavar": "THRESHOLD", "nargs": "?", "const": 0.05}, research=True,
     ),
     Row(
         "precision", "quality", "full", "precision", "Precision", "Number format on the graphics card",
-        "of the buffers (default: full)",
+        "numbers in the buffers (default: full)",
         choices=(
             ("full", "Full", "32-bit numbers"),
             ("half", "Half", "16-bit numbers, which take half the memory"),
@@ -141,7 +141,7 @@ TABLE = (
     ),
     Row(
         "distance", "method", "euclidean", "distance", "Distance", "Metric of the radius",
-        "what the radius bounds",
+        "measure the radius straight (default) or along the surface",
         choices=(
             ("euclidean", "Straight", "The surface within the ball that is connected to the vertex"),
             ("geodesic", "Along the Surface", "The surface within the radius along the surface"),
@@ -149,7 +149,7 @@ TABLE = (
     ),
     Row(
         "evaluate", "method", "vertex", "place of evaluation", "Evaluate At", "Places where descriptors are computed",
-        "at vertices, or texels looked up",
+        "evaluate at vertices (default), or at texels of a map in which vertices are looked up",
         choices=(
             ("vertex", "Vertices", "Evaluate at the vertices themselves"),
             ("texel", "Texels", "Evaluate at the texels of a map and look the vertices up in it, as the paper does"),
@@ -157,7 +157,7 @@ TABLE = (
     ),
     Row(
         "relocation", "method", "connected", "relocation", "Over Seams", "Continuation of neighborhoods across seams",
-        "over seams: what is connected (default), each sample by affine maps, or as the paper does",
+        "neighborhoods across seams: the connected part (default), each sample by affine maps, or as in the paper",
         choices=(
             ("connected", "Connected", "The part that is connected to the vertex; in texture space the same as Affine"),
             ("affine", "Affine", "Carry every sample across seams by the map of the seam edge"),
@@ -166,11 +166,11 @@ TABLE = (
     ),
     Row(
         "max_jumps", "method", 8, "number of jumps", "Max Jumps", "Number of seams that one sample may cross",
-        "affine, paper: seams to cross (default: 8)", limits={"min": 0, "max": 64}, words=COUNT,
+        "with affine and paper, seams that a sample may cross (default: 8)", limits={"min": 0, "max": 64}, words=COUNT,
     ),
     Row(
         "pattern", "method", "golden-angle", "pattern", "Pattern", "Places of the samples",
-        "affine, paper: places of the samples",
+        "with affine and paper, places of the samples",
         choices=(
             ("golden-angle", "Golden Angle", "A spiral; the most even"),
             ("stratified", "Stratified", "One random place in each square of a grid, as in the paper"),
@@ -178,7 +178,7 @@ TABLE = (
     ),
     Row(
         "ellipse", "method", "center", "ellipse", "Stretch", "Stretching of the pattern by the UV map's distortion",
-        "affine, paper: extent by the distortion at the center, or the largest on the way",
+        "with affine and paper, extent by the distortion at the center, or by the largest on the way",
         choices=(
             ("center", "At the Vertex", "Stretch the pattern by the distortion at the vertex"),
             ("directional", "By Direction", "Stretch the pattern by the largest distortion in each direction"),
@@ -199,7 +199,7 @@ TABLE = (
     Row(
         "seed", "method", 0, "seed", "Seed",
         "Random seed of the places of samples; the same settings give the same values",
-        "of the sampling pattern (default: 0)", limits={"min": 0}, words=COUNT,
+        "random seed of the sampling pattern (default: 0)", limits={"min": 0}, words=COUNT,
     ),
     Row(
         "texels", "output", 512, "number of texels", "Texels",

@@ -45,14 +45,14 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_computation_options(animate)
     add_map_options(animate)
     add = animate.add_argument
-    add("--frames", metavar="A:B[:STEP]", help="which frames (default: those of the scene, or all files)")
+    add("--frames", metavar="A:B[:STEP]", help="frames to compute (default: those of the scene, or all files)")
     add("--cache", metavar="FOLDER", type=Path,
-        help="where frames are kept, in a folder for each object (default: paradesc_cache by the input)")  # fmt: skip
+        help="folder of the frames, one below it for each object (default: paradesc_cache by the input)")  # fmt: skip
     add("--relative-to-rest", action="store_true",
-        help="also the change against the rest pose, which of files is the first, as NAME_change")  # fmt: skip
+        help="also store the change from the rest pose as NAME_change; of files, from the first")  # fmt: skip
     add("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
-        help="colors span these values in all frames (default: what follows from all frames together)")  # fmt: skip
-    add("--force", action="store_true", help="compute frames again that are there already")
+        help="values that the colors span in all frames (default: the range over all frames)")  # fmt: skip
+    add("--force", action="store_true", help="compute existing frames again")
     add_output_options(animate)
     animate.set_defaults(run=run)
 

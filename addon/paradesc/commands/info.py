@@ -37,7 +37,7 @@ DEFECTS = {
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     """The command and its options."""
-    info = commands.add_parser("info", help="show what a file's meshes are, and which radius and buffer suit them")
+    info = commands.add_parser("info", help="describe the meshes of a file, and the radius and buffer that suit them")
     add_input(info)
     add_objects_options(info)
     add_output_options(info)

@@ -40,7 +40,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
         help="compute this file alone, named from FOLDER on; give it again for more")  # fmt: skip
     add("--allow-failures", action="store_true",
         help="do not end with code 5 for assets that no machine can compute; their rows say why")  # fmt: skip
-    add("--force", action="store_true", help="compute assets again whose results are there already")
+    add("--force", action="store_true", help="compute assets again that have results")
     add_computation_options(library)
     add_output_options(library)
     library.set_defaults(run=run)
@@ -51,7 +51,7 @@ def part(text: str) -> tuple[int, int]:
     found = PART.fullmatch(text)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise argparse.ArgumentTypeError(
-            f'"{text}" is no part; give two numbers such as 3/16, the first at most the second'
+            f'"{text}" is not a part; give two numbers such as 3/16, the first at most the second'
         )
     return int(found[1]), int(found[2])
 

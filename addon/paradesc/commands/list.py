@@ -9,7 +9,7 @@ from .common import Parser, add_output_options, check_outputs
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     """The command and its options."""
-    listing = commands.add_parser("list", help="show the descriptors and the devices there are")
+    listing = commands.add_parser("list", help="list the descriptors and the devices")
     add_output_options(listing)
     listing.set_defaults(run=run)
 

@@ -12,14 +12,16 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the color map and range of .blend, .ply and .png outputs."""
     group = parser.add_argument_group("colors")
     add = group.add_argument
-    add("--color-map", choices=(AUTOMATIC, *MAPS), help="default: by the descriptor's sign")
+    add("--color-map", choices=(AUTOMATIC, *MAPS), help="color map (default: by the descriptor's sign)")
     bounds = group.add_mutually_exclusive_group()
     bounds.add_argument("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
-        help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; may come again")  # fmt: skip
+        help="values at the ends of the color map, as in --range=-1:1, or of one descriptor; repeatable")  # fmt: skip
     bounds.add_argument("--percentile", type=percentile, metavar="P",
-        help="leave P per cent of the values outside the range on either side (default: 2.5)")  # fmt: skip
-    add("--neutral", type=finite, metavar="X", help="the value in the middle of maps with two sides")
-    add("--asymmetric", action="store_true", help="values with a sign: a range by percentiles of its own on each side")
+        help="leave P percent of the values outside the range at either end (default: 2.5)")  # fmt: skip
+    add("--neutral", type=finite, metavar="X", help="the value in the middle of diverging color maps")
+    add("--asymmetric", action="store_true", help=(
+        "for values with a sign, take a range of its own by percentiles on each side"
+    ))
 
 
 def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Look:
@@ -38,7 +40,7 @@ def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
     try:
         low, high = map(finite, bounds.split(":"))
     except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}" is no range; write two numbers, as in 0:2 or =-1:1') from None
+        raise argparse.ArgumentTypeError(f'"{text}" is not a range; write two numbers, as in 0:2 or =-1:1') from None
     if not high > low:
         raise argparse.ArgumentTypeError(f'the range "{text}" must end above its beginning')
     name = name.strip()
@@ -60,5 +62,5 @@ def percentile(text: str) -> float:
     """Parses a percentage below 50, which can be left out on both sides."""
     value = float(text)
     if not 0 <= value < 50:
-        raise argparse.ArgumentTypeError(f"{text} is no share that can lie on either side; give one from 0 to below 50")
+        raise argparse.ArgumentTypeError(f"{text} is not a share of one end; give one from 0 to below 50")
     return value

@@ -32,8 +32,8 @@ def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> Non
     """Adds --source, the mesh of an object that is measured; opened_settings() supplies it if it is not given."""
     parser.add_argument(
         "--source", choices=(*source_kinds.NAMES, *more),
-        help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers"
-        f"{'; auto: as viewports show it' if more else ''} (default: {default})",
+        help="mesh to measure: the object's own, as deforming modifiers and shape keys move it, or after all "
+        f"modifiers{'; auto: as viewports show it' if more else ''} (default: {default})",
     )  # fmt: skip
     parser.set_defaults(usual_source=default)
 
@@ -47,8 +47,8 @@ def add_input(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
     parser.add_argument(
         "--reader", choices=READERS, default="auto",
-        help="what reads the input: Blender where it is installed (default), or always Paradesc itself (.obj, .ply, "
-        ".stl, .glb, .gltf; others it reads anyway), with the vertices and axes of the file",
+        help="program that reads the input: Blender if it is installed (default), or always Paradesc itself (.obj, "
+        ".ply, .stl, .glb, .gltf; it reads others anyway), with the vertices and axes of the file",
     )  # fmt: skip
 
 
@@ -56,25 +56,30 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     """Adds the options of the computation. One that is not given is None, and settings_of() supplies it."""
     add = parser.add_argument
     add("--scene-settings", action="store_true",
-        help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
+        help="take options that are not given from the panel's settings in the .blend")  # fmt: skip
     add("--preset", metavar="FILE",
-        help="take them from a preset: a JSON file, or a name (cavity, edge_wear, ... or your own)")  # fmt: skip
-    add("--descriptors", type=or_nothing, metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
+        help=(
+            "take options that are not given from a preset: a JSON file, or a name (cavity, edge_wear, ... or your "
+            "own)"
+        ))  # fmt: skip
+    add("--descriptors", type=or_nothing, metavar="A,B,C", help=(
+        "descriptors to compute; see paradesc list (default: mean_curvature)"
+    ))
     add("--radius", type=radii, metavar="R[,R...]",
-        help="support radius (default: 0.02), or auto; of several, names end in _r and the radius")  # fmt: skip
+        help="radius of the neighborhood (default: 0.02), or auto; of several, names end in _r and radius")  # fmt: skip
     for row in bridge.TABLE:
         kind = {"choices": [name for name, *_ in row.choices]} if row.choices else {"type": type(row.default)}
         flag = row.flag or row.name.replace("_", "-")
         add(f"--{flag}", dest=row.name, help=row.help, **kind, **row.words)
-    add("--backend", choices=bridge.BACKENDS, help="what computes (default: auto)")
-    add("--device", type=int, metavar="N", help="which device of the backend (default: the first)")
+    add("--backend", choices=bridge.BACKENDS, help="device that computes (default: auto)")
+    add("--device", type=int, metavar="N", help="number of the device of the backend (default: the first)")
     add("--memory-limit", type=gigabytes, metavar="GB",
-        help="refuse what would take more memory than this (default: half of what is free)")  # fmt: skip
+        help="refuse computations that need more memory than this (default: half of the free memory)")  # fmt: skip
     add("--space", choices=("object", "world"),
         help="measure the mesh itself (default), or as it stands in the world, with the object's scale")  # fmt: skip
-    add("--shape-key", choices=("basis", "active"), help="which shape to measure (default: basis)")
+    add("--shape-key", choices=("basis", "active"), help="shape to measure (default: basis)")
     add("--progress", choices=PROGRESS, default="auto",
-        help="on the standard error stream: where it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
+        help="progress on the standard error: if it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
 
 
 def or_nothing(text: str) -> str | None:
@@ -91,7 +96,8 @@ def radii(text: str) -> tuple[float, ...] | None:
     try:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}" is no radius; give a number, several with commas, or auto') from None
+        sentence = f'"{text}" is not a radius; give a number, several with commas, or auto'
+        raise argparse.ArgumentTypeError(sentence) from None
 
 
 def gigabytes(text: str) -> int:
@@ -101,7 +107,7 @@ def gigabytes(text: str) -> int:
     except ValueError:
         size = math.nan
     if not 0 < size < 2**63:
-        raise argparse.ArgumentTypeError(f'"{text}" is no amount of memory; give a number of gigabytes above 0')
+        raise argparse.ArgumentTypeError(f'"{text}" is not an amount of memory; give a number of gigabytes above 0')
     return math.ceil(size)
 
 
@@ -109,8 +115,10 @@ def add_map_options(parser: argparse.ArgumentParser) -> None:
     """Adds images that change the measured surface. compare has none, as the reference has no texels for them."""
     add = parser.add_argument
     add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
-    add("--midlevel", type=float, default=0.5, metavar="X", help="of the displacement (default: 0.5)")
-    add("--displacement-scale", type=float, default=1.0, metavar="X", help="in the mesh's units (default: 1)")
+    add("--midlevel", type=float, default=0.5, metavar="X", help="midlevel of the displacement (default: 0.5)")
+    add("--displacement-scale", type=float, default=1.0, metavar="X", help=(
+        "scale of the displacement, in the mesh's units (default: 1)"
+    ))
     add("--normal-map", metavar="IMAGE", type=Path, help="take the normals from a tangent space normal map")
     add("--material-maps", action="store_true", help="take displacement and normal map from the object's material")
 

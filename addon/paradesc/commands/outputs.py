@@ -40,14 +40,14 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
     add("--output", "-o", action="append", default=[], metavar="OUT", type=Path, help=output)
     add("--map", action="append", default=[], metavar="IMAGE", type=Path, help=image)
     add("--png-range", choices=PNG_RANGES, default=PNG_RANGES[0],
-        help="what .png images span: the values from minimum to maximum (default), or the range of the colors, where "
-        "0.5 is neutral")  # fmt: skip
+        help="range of .png images: from the minimum to the maximum of the values (default), or the range of the "
+        "colors, in which 0.5 is neutral")  # fmt: skip
     add("--pack", type=packed_names, default=(), metavar="R,G,B[,A]",
         help="write one .png with these descriptors as its channels instead, <stem>_masks.png, over the range of the "
         "colors")  # fmt: skip
     add("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     add("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
-    add("--force", action="store_true", help="write over the input where it is an output as well")
+    add("--force", action="store_true", help="overwrite the input if it is an output as well")
 
 
 def check_files(arguments: argparse.Namespace) -> None:
@@ -159,7 +159,7 @@ def packed_names(text: str) -> tuple[str, ...]:
     known = [row.name for row in bridge.descriptors() if row.components == 1]
     for name in names:
         if name not in known:
-            raise argparse.ArgumentTypeError(f'"{name}" is no descriptor for a channel; choose from {", ".join(known)}')
+            raise argparse.ArgumentTypeError(f'"{name}" is not a descriptor for a channel; choose {", ".join(known)}')
     if len(names) not in (3, 4) or len(set(names)) < len(names):
         raise argparse.ArgumentTypeError(f'"{text}" must be three or four different descriptors with commas between')
     return names

@@ -27,12 +27,12 @@ def add_pair_options(parser: Parser) -> None:
     add("--from", action="append", default=[], dest="from_objects", metavar="HIGH",
         help="measure this detailed object, for the UV map and the vertices of --object; again for more")  # fmt: skip
     add("--from-file", metavar="FILE", type=Path,
-        help="look for detailed objects in this file (without --from and --pairs: all of its objects)")  # fmt: skip
+        help="search detailed objects in this file (without --from and --pairs: all of its objects)")  # fmt: skip
     add("--pairs", action="store_true",
         help="measure X_high, X_high_bolts, ... for every object X_low, or for those of --object")  # fmt: skip
     add("--cage", type=float, metavar="D",
-        help="how far from the low-poly surface, to both sides along its normals, the detailed one is looked for, in "
-        "the world's units (default: a tenth of its diagonal)")  # fmt: skip
+        help="distance from the low-poly surface, to both sides along its normals, within which the detailed one is "
+        "searched, in units of the world (default: a tenth of its diagonal)")  # fmt: skip
 
 
 def is_asked(arguments: argparse.Namespace) -> bool:

@@ -57,8 +57,8 @@ def add_own_options(parser: argparse.ArgumentParser) -> None:
     """Adds the options that may stand before the command or among its words."""
     add = parser.add_argument
     add("--chunk", type=int, metavar="N",
-        help=f"frames a task (default: {FRAMES_A_TASK}), or about so many assets (default: one)")  # fmt: skip
-    add("--program", metavar="WORDS", help="what the commands begin with (default: paradesc)")
+        help=f"frames per task (default: {FRAMES_A_TASK}), or assets per task, about (default: one)")  # fmt: skip
+    add("--program", metavar="WORDS", help="first words of the commands (default: paradesc)")
     add("--list", metavar="FILE", type=Path, help="write the list to this file (default: the standard output)")
     add("--bundle", metavar="FOLDER", type=Path,
         help="write a job bundle of Open Job Description there instead of the list")  # fmt: skip

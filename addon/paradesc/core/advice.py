@@ -89,7 +89,7 @@ def edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:
     """The mean edge of a mesh that a radius can be fitted to, by enough of its triangles, and the diagonal."""
     every = arrays.triangle_vertices
     if not len(every) or not np.isfinite(arrays.positions[every]).all():
-        raise bridge.InputError("The mesh has no faces to fit the radius to, or a position that is no number.")
+        raise bridge.InputError("The mesh has no faces to fit the radius to, or a position that is not a number.")
     edge, diagonal = mean_edge_and_diagonal(arrays, every[:: 1 + len(every) // ENOUGH_TRIANGLES])
     if not diagonal > 0:
         raise bridge.InputError("The mesh is a single point, so there is no radius that fits it.")

@@ -36,7 +36,7 @@ def vertices_at(corners: np.ndarray, vertex_count: int) -> np.ndarray:
         wrong = corners.min() if corners.min() < 0 else corners.max()
         raise ValueError(f"a face has vertex {wrong:.10g}, counted from 0, and there are {vertex_count}")
     if corners.dtype.kind == "f" and (corners != np.rint(corners)).any():
-        raise ValueError("a face has a vertex that is no whole number")
+        raise ValueError("a face has a vertex that is not a whole number")
     return corners.astype(np.int64)
 
 

@@ -90,7 +90,7 @@ def parse_frames(text: str) -> range:
     """The frames of A:B, A:B:STEP or A, B included; a minus sign may stand for the first colon, as farms write it."""
     found = FRAMES.fullmatch(text.strip())
     if not found:
-        raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')
+        raise ValueError(f'"{text}" is not a range of frames; give A:B or A:B:STEP, for example 1:250.')
     first = int(found[1])
     last = int(found[2]) if found[2] else first
     step = int(found[3]) if found[3] else 1

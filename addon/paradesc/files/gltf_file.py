@@ -135,9 +135,9 @@ def opened(path: Path) -> Document:
     try:
         header = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"its header is no JSON: {error}") from error
+        raise ValueError(f"its header is not JSON: {error}") from error
     if not isinstance(header, dict):
-        raise ValueError("its header is no JSON object")
+        raise ValueError("its header is not a JSON object")
     return Document(header, path, binary)
 
 

@@ -1,6 +1,6 @@
 """Reads surfaces of GIFTI and FreeSurfer, and writes values for either (.gii, .curv), by nibabel. Never imports bpy.
 
-nibabel is no part of Blender: it is imported where it is used, and a sentence says how to install it.
+nibabel is not part of Blender: it is imported where it is used, and a sentence says how to install it.
 """
 
 import importlib.util

@@ -136,7 +136,7 @@ def corners_of(faces: list[bytes]) -> tuple[np.ndarray, np.ndarray]:
             numbers = rows_of(own, np.int64)
             corners[where, : kind + 1] = numbers.values.reshape(len(where), kind + 1)
         except ValueError:
-            raise LineError(b"f", places[first_fault(own, np.int64)], "is no face") from None
+            raise LineError(b"f", places[first_fault(own, np.int64)], "is not a face") from None
     return corners, sizes
 
 

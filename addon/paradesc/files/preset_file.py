@@ -81,7 +81,7 @@ def read(path: Path) -> Content:
     """Reads a file and checks all that needs no rules; raises PresetError."""
     content = parsed(path, text_in(path, "JSON"))
     if not isinstance(content, dict) or MARK not in content:
-        refuse(path, f'is no preset of Paradesc, because "{MARK}" is missing; choose another file')
+        refuse(path, f'is not a preset of Paradesc, because "{MARK}" is missing; choose another file')
     version = content[MARK]
     if type(version) is not int or version < 1:
         refuse(path, f'has {quoted(version)} as "{MARK}", where the version {VERSION} belongs; correct it')
@@ -129,7 +129,7 @@ def parsed(path: Path, text: str) -> object:
             text, object_pairs_hook=single, parse_int=whole, parse_float=finite, parse_constant=no_constant
         )
     except json.JSONDecodeError as error:
-        refuse(path, f"is no JSON in line {error.lineno}, column {error.colno} ({error.msg}); correct it")
+        refuse(path, f"is not JSON in line {error.lineno}, column {error.colno} ({error.msg}); correct it")
     except RecursionError:
         refuse(path, "is nested too deeply; choose another file")
     except ValueError as error:
@@ -163,14 +163,14 @@ def finite(digits: str) -> float:
 
 def no_constant(word: str) -> NoReturn:
     """Refuses NaN and Infinity, which JSON itself does not have."""
-    raise ValueError(f"{word}, which is no number")
+    raise ValueError(f"{word}, which is not a number")
 
 
 def checked_line(path: Path, content: dict[str, object], key: str, longest: int) -> str:
     """A text of one line that can be shown."""
     text = content.get(key, "")
     if not isinstance(text, str) or not text.isprintable() or len(text) > longest:
-        refuse(path, f'has a "{key}" that is no line of at most {longest} characters; correct it')
+        refuse(path, f'has a "{key}" that is not a line of at most {longest} characters; correct it')
     return text
 
 
@@ -178,7 +178,7 @@ def checked_section(path: Path, content: dict[str, object], section: str) -> dic
     """A section, whose values are truth values, numbers, texts, or lists of texts."""
     members = content[section]
     if not isinstance(members, dict):
-        refuse(path, f'has a section "{section}" that is no object; correct it')
+        refuse(path, f'has a section "{section}" that is not an object; correct it')
     for key, value in members.items():
         plain = value if isinstance(value, list) else [value]
         kinds = str if isinstance(value, list) else (bool, int, float, str)
@@ -197,7 +197,7 @@ def check(path: Path, content: Content, rules: Rules) -> None:
         for name, value in members.items():
             rule = rules[section].get(name)
             if rule is None:
-                refuse(path, f"has {quoted(name)} in {section}, which is no setting; remove it, or update the add-on")
+                refuse(path, f"has {quoted(name)} in {section}, which is not a setting; remove it or update the add-on")
             wanted = wanted_instead(rule, value)
             if wanted:
                 refuse(path, f"has {quoted(value)} as {quoted(name)} in {section}; give {wanted}")

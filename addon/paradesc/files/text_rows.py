@@ -80,7 +80,7 @@ def first_fault(lines: list[bytes], kind: type = np.float64) -> int:
 
 def no_numbers(line: bytes) -> str:
     """A sentence's end about a line that contains anything but numbers."""
-    return "is no row of numbers" + ("; decimals take a point" if b"," in line else "")
+    return "is not a row of numbers" + ("; decimals take a point" if b"," in line else "")
 
 
 def shown(line: bytes) -> str:

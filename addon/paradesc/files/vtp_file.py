@@ -212,5 +212,5 @@ def from_base64(text: bytes, at: int, size: int) -> bytes:
     try:
         found = base64.b64decode(letters.rstrip(b"=") + b"=" * (-size % 3), validate=True)
     except binascii.Error as error:
-        raise ValueError("an array of it is no base64") from error
+        raise ValueError("an array of it is not base64") from error
     return found[:size]

@@ -41,5 +41,5 @@ def fault(suffix: str, first: bytes) -> str:
         if suffix != other and first.startswith(beginning) and not first[len(beginning) :][:1].isalpha():
             return f"it begins as a {other}; rename it"
     if suffix in TEXTS and b"\0" in first:
-        return "it is no text, which files of this kind are"
+        return "it is not text, which files of this kind are"
     return ""

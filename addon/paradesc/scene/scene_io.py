@@ -206,7 +206,7 @@ def find_object(name: str) -> bpy.types.Object:
     """The mesh object of that name."""
     found = bpy.context.scene.objects.get(name)
     if found is not None and found.type != "MESH":
-        raise refuse(f'The object "{name}" is no mesh.')
+        raise refuse(f'The object "{name}" is not a mesh.')
     return found or find_among(mesh_objects(), name)
 
 
