@@ -4,7 +4,7 @@
     result = paradesc.compute(vertices, faces, ["mean_curvature", "curvedness"], radius=0.08, radius_unit="absolute")
     result["mean_curvature"]  # (n,) float32
 
-What is computed is the method of Andreadis, Papaioannou and Mavridis, "GPU Accelerated Computation of Geometric
+The method is that of Andreadis, Papaioannou and Mavridis, "GPU Accelerated Computation of Geometric
 Descriptors in Parametric Space"; descriptors() lists what there is, each with its equation. Imports no part of Blender.
 """
 

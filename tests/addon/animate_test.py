@@ -308,7 +308,7 @@ def test_command_notes_once_what_has_no_effect_on_the_processor(run, cylinder_bl
     words = ("--radius", "0.1", "--samples", "64", "--frames", "1:3", "--cache", tmp_path / "frames")
     ended = run("animate", cylinder_blend, *words, "--seed", "3", "--buffer", "256", "--backend", "cpu")
     assert ended.code == 0, ended.error
-    assert ended.output.count("The buffer size and the seed have no effect on the processor") == 1
+    assert ended.output.count("The buffer size and the seed are ignored on the processor") == 1
     assert "3 frames made" in ended.output
 
 

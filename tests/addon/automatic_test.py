@@ -85,7 +85,7 @@ def test_numbers_without_effect_are_noted_once_and_are_no_warning(sphere):
     found = job.run(sphere, replace(settings(buffer_size=512, seed=3), more_radii=(0.1,)))
     assert (found.backend, found.warnings) == ("cpu", [])
     (note,) = found.unused_notes()
-    assert "buffer size and the seed have no effect" in note
+    assert "buffer size and the seed are ignored" in note
     assert job.run(sphere, settings()).unused_notes() == []
     assert job.run(sphere, settings(backend="software", buffer_size=256)).unused_notes() == []
 
@@ -166,8 +166,8 @@ def test_notes_say_on_the_command_line_what_has_no_effect(bare, run, report):
     words = ("--radius", "0.08", "--samples", "64", "--json", "report.json", "--fail-on-warnings")
     ended = run("bake", bare, *words, "--buffer", "256")
     assert ended.code == 0, "it is no warning"
-    assert ended.output.count("no effect on the processor") == 1
-    assert "The buffer size has no effect" in report()["objects"][0]["notes"][0]
+    assert ended.output.count("ignored on the processor") == 1
+    assert "The buffer size is ignored" in report()["objects"][0]["notes"][0]
 
 
 def test_images_need_no_opengl(sphere_obj, tmp_path, without_opengl):

@@ -188,7 +188,7 @@ def test_frames_wait_for_no_mode_but_those_that_hold_the_mesh(pair):
 
 
 def test_numbers_without_effect_are_noted_once_for_all_frames_of_an_object(pair, capfd):
-    scene, note = bpy.context.scene, "The buffer size has no effect on the processor"
+    scene, note = bpy.context.scene, "The buffer size is ignored on the processor"
     scene.paradesc.backend = "cpu"
     pair[1].select_set(False)
     running = batch()
@@ -201,7 +201,7 @@ def test_numbers_without_effect_are_noted_once_for_all_frames_of_an_object(pair,
     assert capfd.readouterr().out.count(note) == 1
     scene.paradesc.buffer_size = bridge.Options().buffer_size
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
-    assert "no effect" not in capfd.readouterr().out
+    assert "ignored on the processor" not in capfd.readouterr().out
 
 
 def test_live_values_say_nothing_of_numbers_without_effect(pair, capfd):
@@ -209,4 +209,4 @@ def test_live_values_say_nothing_of_numbers_without_effect(pair, capfd):
     assert switch(pair[0]) == ""
     bpy.context.scene.frame_set(2)
     assert handlers.session_at(pair[0]).results.backend == "cpu"
-    assert "no effect" not in capfd.readouterr().out
+    assert "ignored on the processor" not in capfd.readouterr().out

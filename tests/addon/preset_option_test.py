@@ -22,7 +22,7 @@ def test_a_preset_file_supplies_what_no_option_gives(run, report, sphere_obj, tm
     assert settings["harris_k"] == 0.04
     shown = found["objects"][0]["descriptors"]["cavity"]
     assert (shown["shown_minimum"], shown["shown_maximum"], shown["color_map"]) == (-0.5, 0.75, "heat")
-    assert found["notes"] == ['Of the preset "Studio Cavity", image_format has no effect here.']
+    assert found["notes"] == ['The preset "Studio Cavity" names image_format, which has no effect here.']
     words = ("--descriptors", "cavity", "--samples", "16", "--radius", "0.1", "--texels", "64", "--range=0:1")
     assert run("bake", sphere_obj, "--preset", path, *words, "--color-map", "grey", *QUICK).code == 0
     found = report()
@@ -71,7 +71,7 @@ def test_frames_take_a_preset_and_say_what_they_have_no_use_for(run, report, tmp
     ended = run("animate", blend, "--preset", path, *words)
     assert ended.code == 0, ended.error
     assert report()["settings"]["samples"] == 24
-    assert report()["notes"] == ['Of the preset "Studio Cavity", image_format, span have no effect here.']
+    assert report()["notes"] == ['The preset "Studio Cavity" names image_format, span, which have no effect here.']
 
 
 @pytest.mark.parametrize("command", ["bake", "animate", "compare"])

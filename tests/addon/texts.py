@@ -25,7 +25,7 @@ PARTS = {
     "Images of {0} × {1} texels from high to low need about {2} GB of memory, and ",
     "{0} GB may be used ({1}); ",
     "the memory limit",
-    "The {0} {1} no effect on the processor, which needs neither.",
+    "The {0} {1} ignored on the processor.",
     "The {0} has no path; give one under Output.",
     "Save the .blend first, or give the {0} a whole path: // stands for its folder.",
 }

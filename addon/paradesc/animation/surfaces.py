@@ -68,7 +68,7 @@ def shown(
 
 
 def source_of(scene: bpy.types.Scene) -> str:
-    """The source that a bake uses. What is shown counts as what the modifiers make.
+    """The source that a bake uses. The choice "as shown" counts as "with modifiers".
 
     Values that follow an animation measure the base mesh as deformed, as they did before sources could be chosen.
     """

@@ -108,7 +108,7 @@ class ImageBatch(Pieces):
 
     @property
     def seconds(self) -> float:
-        """How long the work has lasted."""
+        """The seconds that the work has lasted."""
         return time.monotonic() - self.started
 
     def work_on(self, piece: TextureBake) -> Work:

@@ -189,7 +189,7 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
 
 
 def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
-    """Converts the objects to meshes. Of a family of metaballs one object remains, with the whole surface."""
+    """Converts the objects to meshes. One object of a family of metaballs remains, with the whole surface."""
     for item in chosen:  # objects that share its data stay as they are; Blender 4.2 would empty shared texts besides
         if item.type != "META" and item.data.users > 1:
             item.data = item.data.copy()

@@ -316,5 +316,5 @@ def descriptors() -> tuple[Descriptor, ...]:
 
 
 def components(name: str) -> int:
-    """How many values of a descriptor a vertex has: 1 or 3."""
+    """The number of values of a descriptor at a vertex, 1 or 3."""
     return next((row.components for row in descriptors() if row.name == name), 1)

@@ -59,4 +59,4 @@ def notes_of_preset(content: Content | None, has_colors: bool) -> list[str]:
     if not unused:
         return []
     verb = "have" if len(unused) > 1 else "has"
-    return [f'Of the preset "{content.name}", {", ".join(unused)} {verb} no effect here.']
+    return [f'The preset "{content.name}" names {", ".join(unused)}, which {verb} no effect here.']

@@ -30,7 +30,7 @@ LARGEST_STRETCH = 2.0**1.5
 
 
 def texels_per_length(arrays: bridge.MeshArrays) -> float:
-    """How long a unit of the surface is in the UV square in the direction where it is shortest.
+    """The length of a unit of the surface in the UV square, in the direction where it is shortest.
 
     The median over triangles; an estimate without a map.
     """

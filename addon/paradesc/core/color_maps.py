@@ -109,7 +109,7 @@ class ValueRange:
 
 @dataclass(frozen=True)
 class Look:
-    """How values become colors: the choice of a map, and of the values at its ends."""
+    """The way from values to colors: the choice of a map, and of the values at its ends."""
 
     color_map: str = AUTOMATIC
     percentile: float | None = None  # per cent of the values left outside on either side; None: as suits the descriptor

@@ -40,7 +40,7 @@ def find_corners(
 ) -> Corners:
     """Vertices whose response is above threshold times the largest, and that no other exceeds within the radius.
 
-    Within means in the part of the mesh that edges in the ball connect to them. Of equal vertices the first counts.
+    Within means in the part of the mesh that edges in the ball connect to them. Among equal vertices the first counts.
     Even a surface without corners has a largest response: compare responses if that matters. positions (n, 3),
     triangles (m, 3), response (n,) with NaN if there is none. Cancelled as a bake is, between short steps.
     """

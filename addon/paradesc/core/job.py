@@ -69,7 +69,7 @@ class Settings:
 
 @dataclass
 class Transfer:
-    """How the values of detailed surfaces came to the UV map of a coarse one (transfer.py)."""
+    """A report of how the values of detailed surfaces came to the UV map of a coarse one (transfer.py)."""
 
     sources: list[str]  # the names of those surfaces
     cage: float  # how far from the coarse surface they were looked for
@@ -210,8 +210,8 @@ def unused_notes(backend: str, options: bridge.Options) -> list[str]:
     names = " and the ".join(name for name, given in chosen.items() if given)
     if backend != "cpu" or not names:
         return []
-    verb = "have" if " and " in names else "has"
-    return [f"The {names} {verb} no effect on the processor, which needs neither."]
+    verb = "are" if " and " in names else "is"
+    return [f"The {names} {verb} ignored on the processor."]
 
 
 def radius_suffix(radius: float) -> str:

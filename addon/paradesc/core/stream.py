@@ -208,7 +208,7 @@ def place_keys(columns: np.ndarray) -> np.ndarray:
 
 
 def distinct(keys: np.ndarray) -> int:
-    """How many different keys there are."""
+    """The number of different keys."""
     ordered = np.sort(keys)
     return 1 + int(np.count_nonzero(ordered[1:] != ordered[:-1])) if len(ordered) else 0
 

@@ -136,7 +136,7 @@ def uv_area(arrays: MeshArrays) -> float:
 
 
 def least_texels_per_length(arrays: MeshArrays) -> float:
-    """How long a unit of the surface is in the UV square where it is shrunk most, apart from a small share of it."""
+    """The length of a unit of the surface in the UV square where it is shrunk most, apart from a small share of it."""
     (one, other), (u, v) = (
         edges(corners)
         for corners in (arrays.positions[arrays.triangle_vertices], arrays.corner_uvs[arrays.triangle_corners])

@@ -1,8 +1,8 @@
 """Brings what is measured on detailed surfaces to the UV map and the vertices of a coarse one. Never imports bpy.
 
-From each texel's place on the coarse surface a line goes along its smooth normal, both ways. What it meets nearest,
-no farther than the cage distance and facing the same side, gives the texel its value. Nearest, and not outermost:
-a cage that is wider than needed then takes nothing from a part that stands in front.
+From each texel's place on the coarse surface a line goes along its smooth normal, both ways. The nearest surface
+that it meets within the cage distance, and that faces the same side, gives the texel its value. It is the nearest, and
+not the outermost, so that a cage that is wider than needed takes nothing from a part that stands in front.
 """
 
 from dataclasses import dataclass, field, replace
@@ -262,7 +262,7 @@ def summed(found: list[Results]) -> dict[str, float]:
 
 
 def with_texels(rays: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which texels (N, N) of drawn rays (N, N, 6) are covered, and rays: the given ones (n, 6), then the texels'."""
+    """The texels (N, N) of drawn rays (N, N, 6) that are covered, and rays: the given ones (n, 6), then the texels'."""
     covered = np.isfinite(drawn[:, :, 0])
     both = np.empty((len(rays) + int(covered.sum()), drawn.shape[2]), np.float32)
     both[: len(rays)] = rays

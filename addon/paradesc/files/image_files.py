@@ -1,6 +1,6 @@
 """Makes the textures of one object: evaluates as if at texels, and packs 16-bit PNGs under names that engines know.
 
-No bpy. What is made stays in memory until the caller keeps it: an unsaved .blend has no folder for files.
+No bpy. Images stay in memory until the caller keeps it: an unsaved .blend has no folder for files.
 """
 
 import math

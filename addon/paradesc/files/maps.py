@@ -38,7 +38,7 @@ def drawn(
 ) -> np.ndarray:
     """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices.
 
-    at_vertices: instead of the descriptor's own values there. What came from other surfaces is drawn already.
+    at_vertices: instead of the descriptor's own values there. Values from other surfaces are drawn already.
     shown: the UDIM tile that is drawn, if it is one of several.
     """
     results = baked.results

@@ -29,7 +29,7 @@ class Lines:
 
     @property
     def counts(self) -> tuple[int, int, int]:
-        """How many vertices, texture vertices and normals there are so far."""
+        """The numbers of vertices, texture vertices and normals so far."""
         return len(self.vertices), len(self.uvs), len(self.normals)
 
 

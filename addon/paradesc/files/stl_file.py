@@ -40,7 +40,7 @@ def is_text(content: bytes) -> bool:
 
 
 def count_of(content: bytes) -> int:
-    """How many triangles a binary file says it has."""
+    """The number of triangles that a binary file says it has."""
     return int.from_bytes(content[HEADER - 4 : HEADER], "little")
 
 

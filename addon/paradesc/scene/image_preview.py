@@ -1,7 +1,7 @@
 """Shows textures on meshes in solid viewports, drawn over whatever those show: nothing of the .blend changes for it.
 
 Blender's own solid shading shows the active image of a material, into which its next bake or stroke goes as well: that
-choice stays the user's. What is shown is known to this session alone, by names, which outlive an undo.
+choice stays the user's. This session alone knows what is shown, by names, which outlive an undo.
 """
 
 import atexit

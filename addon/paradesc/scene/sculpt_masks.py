@@ -57,7 +57,7 @@ def storage(mesh: bpy.types.Mesh) -> bpy.types.ID | None:
 
 
 def make_storage(target: bpy.types.Object) -> None:
-    """Creates an empty mask. Where it is not an attribute, this needs the mesh of edit mode."""
+    """Creates an empty mask. This needs the mesh of edit mode if the mask is not an attribute."""
     if IS_ATTRIBUTE:
         target.data.attributes.new(NAME, "FLOAT", "POINT")
         return

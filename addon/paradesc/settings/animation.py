@@ -12,7 +12,7 @@ DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
 
 
 class PARADESC_PG_animation(bpy.types.PropertyGroup):
-    """Which mesh, and which frames of it, in one scene."""
+    """The mesh and the frames that are measured in one scene."""
 
     source: bpy.props.EnumProperty(
         name="Source",

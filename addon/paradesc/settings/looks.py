@@ -54,7 +54,7 @@ def of_color(name: str) -> object:
 
 
 class PARADESC_PG_looks(bpy.types.PropertyGroup):
-    """How values are shown in one scene."""
+    """The settings of how one scene shows values."""
 
     color_map: of_color("color_map")
     span: of_color("span")

@@ -35,7 +35,7 @@ class PARADESC_AP_failure(bpy.types.AddonPreferences):
 
 
 class PARADESC_PT_failure(bpy.types.Panel):
-    """What is wrong, in place of the add-on's panels"""
+    """A sentence that says what is wrong, in place of the add-on's panels"""
 
     bl_label = "Paradesc"
     bl_idname = "PARADESC_PT_failure"

@@ -26,7 +26,7 @@ STAGES = (
 
 
 class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
-    """What the last bake of this mesh found"""
+    """The findings of the last bake of this mesh"""
 
     bl_label = "Last Bake"
     bl_idname = "PARADESC_PT_report"

@@ -19,7 +19,7 @@ WINDOWED = {"difference_of_gaussians", "harris"}
 
 
 class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
-    """What to compute"""
+    """The descriptors to compute"""
 
     bl_label = "Analysis"
     bl_idname = "PARADESC_PT_descriptor"
@@ -46,7 +46,7 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
 
 
 class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
-    """How far a vertex looks around"""
+    """The size and the space of the neighborhood"""
 
     bl_label = "Neighborhood"
     bl_idname = "PARADESC_PT_neighborhood"
@@ -69,7 +69,7 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
 
 
 class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
-    """How exactly to compute, and on what"""
+    """The accuracy and the device of the computation"""
 
     bl_label = "Quality and Device"
     bl_idname = "PARADESC_PT_quality"
@@ -132,7 +132,7 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
 
 
 class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
-    """Where results go"""
+    """The places of results"""
 
     bl_label = "Output"
     bl_idname = "PARADESC_PT_output"
