@@ -10,7 +10,8 @@ RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
   libgl1 libx11-6 libxext6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgomp1)
 # Blender itself, its numpy, and a screen for it that nobody has to see.
 TEST_PACKAGES=(blender glslang-tools python3-numpy xvfb xauth)
-REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3) # markdown: packages contain the manual as web pages
+# markdown: packages contain the manual as web pages; scikit-build-core: makes the wheel that an extension contains
+REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3 scikit-build-core==1.1.2)
 # lizard: finds functions of C++ and GLSL, whose lengths are tested; trimesh: a peer, and maker of mesh files; scikit-build-core:
 # packs the wheel; openjd-cli, distributed and dukpy (a JavaScript engine): what job descriptions and farms are tried with; mypy: types of
 # the Python package; the rest, from pillow on: what notebooks and the manual's Python code need

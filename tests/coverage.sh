@@ -67,7 +67,7 @@ report_native() {
 addon() {
   [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
   # shellcheck disable=SC2086
-  (cd "$root" && PYTHONPATH=$root/addon:$tools "$python" -m coverage run --data-file "$build/addon.data" --source addon/paradesc \
+  (cd "$root" && PYTHONPATH=$root/addon:$tools "$python" -m coverage run --data-file "$build/addon.data" --source addon/paradesc,addon/paradesc_blender \
     --concurrency thread -m pytest -q --rootdir "$root" -p no:cacheprovider ${words:-tests/addon}) || code=1
   PYTHONPATH=$tools "$python" -m coverage report --data-file "$build/addon.data" --skip-covered --sort=-miss \
     --fail-under 85 || code=1

@@ -27,7 +27,7 @@ from soak import Sample, growths, holdings  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, scene_io  # noqa: E402
+from paradesc_blender.scene import mesh_io, scene_io  # noqa: E402
 
 MESHES = ROOT.parent / "shared" / "meshes"
 RADII = (0.01, 0.02, 0.04)

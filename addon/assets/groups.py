@@ -3,7 +3,7 @@
 import bpy
 from graph import Graph
 
-from paradesc.scene import node_groups
+from paradesc_blender.scene import node_groups
 
 # Scene-linear.
 DIRT, BARE, CLAY, WORN = (0.10, 0.075, 0.055, 1), (0.32, 0.31, 0.30, 1), (0.35, 0.20, 0.11, 1), (0.78, 0.62, 0.46, 1)

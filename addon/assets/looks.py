@@ -3,7 +3,7 @@
 import bpy
 from graph import Graph
 
-from paradesc.show import wear
+from paradesc_blender.show import wear
 
 
 class Look:

@@ -1,4 +1,4 @@
-"""Makes addon/paradesc/assets/paradesc.blend: the node groups and materials that the add-on appends, as assets.
+"""Makes addon/paradesc_blender/assets/paradesc.blend: the node groups and materials that the add-on appends, as assets.
 
 Usage: blender -b --factory-startup -P addon/assets/make_assets.py [-- FILE]
 

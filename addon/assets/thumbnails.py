@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-import paradesc
-from paradesc.show import recolor, wear
+import paradesc_blender
+from paradesc_blender.show import recolor, wear
 
 SIDE, SAMPLES, SHADES = 128, 128, 64  # few shades keep the file small
 # The box, and its radius of a bake in percent of the diagonal.
@@ -24,7 +24,7 @@ LIGHTS = (  # direction, power, size, color
 
 def add(blocks: list[bpy.types.ID]) -> None:
     """Gives every asset its thumbnail, and takes away what it was rendered with."""
-    paradesc.register()
+    paradesc_blender.register()
     target = baked_box()
     set_scene()
     for block in blocks:
@@ -39,7 +39,7 @@ def add(blocks: list[bpy.types.ID]) -> None:
         target.data.materials.append(shown)
         give(block, rendered())
         target.modifiers.clear()
-    paradesc.unregister()
+    paradesc_blender.unregister()
 
 
 def baked_box() -> bpy.types.Object:

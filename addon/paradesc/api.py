@@ -12,8 +12,7 @@ import sys
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import takewhile
 from traceback import walk_stack
@@ -23,19 +22,18 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors, origin
-from .core import balance, face_centers, job
-from .core.balance import Profile
-from .core.polygons import Polygons, triangle_corners
-from .core.stream import Stream
-from .numpy_api import inputs, options, other_meshes
+from .bridge import Descriptor, InputError, MeshArrays, ParadescError, abi, descriptors
+from .numpy_api import words
 from .numpy_api.result import Mask, ParadescWarning, Result
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from .core.balance import Profile
+    from .core.stream import Stream
+
 __all__ = [
-    "Descriptor", "InputError", "Mask", "Mesh", "ParadescError", "ParadescWarning", "Profile", "Result",
+    "Descriptor", "InputError", "Mask", "Mesh", "ParadescError", "ParadescWarning", "Result",
     "compute", "descriptors", "profile",
 ]  # fmt: skip
 
@@ -49,23 +47,23 @@ def compute(
     descriptors: str | Sequence[str] = ("mean_curvature",),
     radius: float | Sequence[float] | Literal["auto"] = 0.02,
     *,
-    radius_unit: options.RadiusUnit = "diagonal",
+    radius_unit: words.RadiusUnit = "diagonal",
     samples: int = 256,
     uvs: "ArrayLike | None" = None,
     corner_normals: "ArrayLike | None" = None,
     sharp_edges: "ArrayLike | None" = None,
-    creases: options.Creases = "auto",
-    normals: options.Normals = "fitted",
-    estimator: options.Estimator = "shape-operator",
-    distance: options.Distance = "euclidean",
-    domain: options.Domain = "vertices",
+    creases: words.Creases = "auto",
+    normals: words.Normals = "fitted",
+    estimator: words.Estimator = "shape-operator",
+    distance: words.Distance = "euclidean",
+    domain: words.Domain = "vertices",
     map_descriptor: str = "sphere_volume_normalized",
-    backend: options.Backend = "auto",
+    backend: words.Backend = "auto",
     device_index: int = -1,
     threads: int = 0,
     memory_limit: int = 0,
     progress: Progress | None = None,
-    **more: "Unpack[options.MoreOptions]",
+    **more: "Unpack[words.MoreOptions]",
 ) -> Result:
     """Computes descriptors at every vertex or face of a mesh, in their order.
 
@@ -154,19 +152,21 @@ def compute(
     >>> print(f"{result['mean_curvature'][220]:.2f}")
     0.20
     """
+    from .numpy_api import work
+
     named = {
         "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
         "estimator": estimator, "distance": distance, "map_descriptor": map_descriptor, "backend": backend,
         "device_index": device_index, "threads": threads, "memory_limit": memory_limit, "domain": domain,
     }  # fmt: skip
-    options.check_names(compute, more)
-    with plain_errors():
-        settings = options.settings_of(descriptors, radius, {**named, **more})
-        told = cancelling(progress)
-        check_normals(settings, corner_normals)
-        points, polygons = surface_of(vertices, faces)
-        arrays = inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
-        results = face_centers.run_where_asked(arrays, settings, told, polygons.sizes)
+    work.options.check_names(compute, more)
+    with work.plain_errors():
+        settings = work.options.settings_of(descriptors, radius, {**named, **more})
+        told = work.cancelling(progress)
+        work.check_normals(settings, corner_normals)
+        points, polygons = work.surface_of(vertices, faces)
+        arrays = work.inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
+        results = work.face_centers.run_where_asked(arrays, settings, told, polygons.sizes)
     return told_of(Result(results))
 
 
@@ -177,11 +177,11 @@ def profile(
     radii: Sequence[float] | None = None,
     at: "ArrayLike | None" = None,
     *,
-    radius_unit: options.RadiusUnit = "diagonal",
+    radius_unit: words.RadiusUnit = "diagonal",
     sharp_edges: "ArrayLike | None" = None,
     progress: Progress | None = None,
     **more: Any,
-) -> Profile:
+) -> "Profile":
     """Measures the mean curvature at several radii, its errors by noise and by blur, and the radius of the least error.
 
     Parameters
@@ -218,17 +218,19 @@ def profile(
     >>> bool(found.standard_error[-1].mean() < found.standard_error[0].mean())
     True
     """
-    options.check_names(profile, more, (*options.DEFAULTS, *options.WHOLE, "backend"))
-    with plain_errors():
-        if descriptor != balance.MEAN:
-            raise InputError(f"descriptor is {options.shown(descriptor)}; only mean_curvature has a standard error.")
-        settings = options.settings_of(descriptor, 0.02, more)
-        points, polygons = surface_of(vertices, faces)
-        arrays = inputs.mesh_arrays(points, polygons, None, None, sharp_edges)
-        lengths = balance.usual_radii(arrays) if radii is None else options.lengths_of(radii, radius_unit, arrays)
-        told = cancelling(progress)
-        found = balance.profile(settings, arrays, lengths, lambda asked: job.run(arrays, asked, told))
-        return found if at is None else found.at(inputs.vertices_of(at, len(points)))
+    from .numpy_api import work
+
+    work.options.check_names(profile, more, (*work.options.DEFAULTS, *work.options.WHOLE, "backend"))
+    with work.plain_errors():
+        if descriptor != work.balance.MEAN:
+            raise InputError(f"descriptor is {work.options.shown(descriptor)}; only mean_curvature has a standard error.")
+        settings = work.options.settings_of(descriptor, 0.02, more)
+        points, polygons = work.surface_of(vertices, faces)
+        arrays = work.inputs.mesh_arrays(points, polygons, None, None, sharp_edges)
+        lengths = work.balance.usual_radii(arrays) if radii is None else work.options.lengths_of(radii, radius_unit, arrays)
+        told = work.cancelling(progress)
+        found = work.balance.profile(settings, arrays, lengths, lambda asked: work.job.run(arrays, asked, told))
+        return found if at is None else found.at(work.inputs.vertices_of(at, len(points)))
 
 
 class Mesh:
@@ -269,20 +271,22 @@ class Mesh:
         *,
         uvs: "ArrayLike | None" = None,
         sharp_edges: "ArrayLike | None" = None,
-        backend: options.Backend = "auto",
+        backend: words.Backend = "auto",
         device_index: int = -1,
         threads: int = 0,
         memory_limit: int = 0,
     ) -> None:
+        from .numpy_api import work
+
         self._machine = {
             "backend": backend, "device_index": device_index, "threads": threads, "memory_limit": memory_limit,
         }  # fmt: skip
-        with plain_errors():
-            settings = options.settings_of("mean_curvature", 0.02, self._machine)
-            self._points, self._polygons = surface_of(vertices, faces)
-            arrays = inputs.mesh_arrays(self._points, self._polygons, uvs, None, sharp_edges)
-            self._near = origin.near_origin(self._points)  # the points as the library reads them
-            self._stream: Stream | None = Stream(arrays, settings)
+        with work.plain_errors():
+            settings = work.options.settings_of("mean_curvature", 0.02, self._machine)
+            self._points, self._polygons = work.surface_of(vertices, faces)
+            arrays = work.inputs.mesh_arrays(self._points, self._polygons, uvs, None, sharp_edges)
+            self._near = work.origin.near_origin(self._points)  # the points as the library reads them
+            self._stream: Stream | None = work.Stream(arrays, settings)
         self._lock = threading.RLock()
         self._finalizer = weakref.finalize(self, self._stream.leave)
         self._finalizer.atexit = False  # a thread may still use it then
@@ -296,16 +300,20 @@ class Mesh:
 
     @positions.setter
     def positions(self, vertices: "ArrayLike") -> None:
-        with plain_errors(), self._lock:
-            points = inputs.points_of(vertices)
+        from .numpy_api import work
+
+        with work.plain_errors(), self._lock:
+            points = work.inputs.points_of(vertices)
             if points.shape != self._points.shape:
                 raise InputError(f"positions has the shape {points.shape}, but the mesh has {self._points.shape}.")
-            self._points, self._near = points, origin.near_origin(points)
+            self._points, self._near = points, work.origin.near_origin(points)
 
     @property
     def report(self) -> dict[str, float | int]:
         """A dict of what was found in the mesh at its positions: counts of parts and defects, diagonal, mean edge."""
-        with plain_errors(), self._lock:
+        from .numpy_api import work
+
+        with work.plain_errors(), self._lock:
             stream = self._opened()
             return stream.mesh_at(self._arrays(stream)).report()
 
@@ -314,16 +322,16 @@ class Mesh:
         descriptors: str | Sequence[str] = ("mean_curvature",),
         radius: float | Sequence[float] | Literal["auto"] = 0.02,
         *,
-        radius_unit: options.RadiusUnit = "diagonal",
+        radius_unit: words.RadiusUnit = "diagonal",
         samples: int = 256,
         corner_normals: "ArrayLike | None" = None,
-        creases: options.Creases = "auto",
-        normals: options.Normals = "fitted",
-        estimator: options.Estimator = "shape-operator",
-        distance: options.Distance = "euclidean",
+        creases: words.Creases = "auto",
+        normals: words.Normals = "fitted",
+        estimator: words.Estimator = "shape-operator",
+        distance: words.Distance = "euclidean",
         map_descriptor: str = "sphere_volume_normalized",
         progress: Progress | None = None,
-        **more: "Unpack[options.MoreOptions]",
+        **more: "Unpack[words.MoreOptions]",
     ) -> Result:
         """Computes descriptors at the current positions.
 
@@ -346,21 +354,23 @@ class Mesh:
         InputError, TypeError, ParadescError
             As paradesc.compute() does. A mesh that was closed is a ParadescError.
         """
+        from .numpy_api import work
+
         named = {
             "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,
             "estimator": estimator, "distance": distance, "map_descriptor": map_descriptor,
         }  # fmt: skip
         if "domain" in more:
             raise TypeError("A paradesc.Mesh has values at vertices; paradesc.compute() has them at faces.")
-        options.check_names(Mesh.compute, more)
-        with plain_errors(), self._lock:
+        work.options.check_names(Mesh.compute, more)
+        with work.plain_errors(), self._lock:
             stream = self._opened()
-            settings = options.settings_of(descriptors, radius, {**named, **more, **self._machine})
-            told = cancelling(progress)
-            check_normals(settings, corner_normals)
-            own_normals = inputs.normals_of(corner_normals, len(self._points), self._polygons)
+            settings = work.options.settings_of(descriptors, radius, {**named, **more, **self._machine})
+            told = work.cancelling(progress)
+            work.check_normals(settings, corner_normals)
+            own_normals = work.inputs.normals_of(corner_normals, len(self._points), self._polygons)
             positions = self._arrays(stream).positions
-            stream.settings = job.fitted(settings, self._arrays(stream))
+            stream.settings = work.job.fitted(settings, self._arrays(stream))
             results = stream.compute(positions, told, own_normals)
         return told_of(Result(results))
 
@@ -378,16 +388,18 @@ class Mesh:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def _opened(self) -> Stream:
+    def _opened(self) -> "Stream":
         if self._stream is None:
             raise ParadescError(abi.STATUS_INVALID_OPERATION, "The mesh is closed.")
         return self._stream
 
-    def _arrays(self, stream: Stream) -> MeshArrays:
+    def _arrays(self, stream: "Stream") -> MeshArrays:
         """The mesh at its positions; polygons that have bent may be cut into other triangles."""
+        from .numpy_api import work
+
         triangles = stream.arrays.triangle_corners
         if len(triangles) != len(self._polygons.starts) - 1:
-            triangles = triangle_corners(self._polygons, self._points)
+            triangles = work.triangle_corners(self._polygons, self._points)
         moved = replace(stream.arrays, positions=self._near, triangle_corners=triangles)
         if not np.array_equal(triangles, stream.arrays.triangle_corners):
             stream.replace(moved)
@@ -401,49 +413,3 @@ def told_of(result: Result) -> Result:
     for sentence in result.warnings:
         warnings.warn(sentence, ParadescWarning, stacklevel=level)
     return result
-
-
-def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
-    """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
-    kind = type(vertices).__name__
-    if faces is None:
-        vertices, faces = other_meshes.vertices_and_faces(vertices)
-    if faces is None:
-        raise InputError(f"faces is missing; give two arrays, or one mesh of trimesh, PyVista or Open3D, not a {kind}.")
-    points = inputs.points_of(vertices)
-    return points, inputs.polygons_of(faces, len(points))
-
-
-def check_normals(settings: job.Settings, corner_normals: object) -> None:
-    """Refuses to measure by the mesh's own normals where there are none."""
-    if settings.options.normals == "mesh" and corner_normals is None:
-        raise InputError('corner_normals is missing; give them, or choose normals "fitted" or "max".')
-
-
-def cancelling(progress: Progress | None) -> ProgressFunction | None:
-    """A progress function that cancels where the given one returns False, and not where it returns nothing."""
-    if progress is None:
-        return None
-    if not callable(progress):
-        raise InputError(f"progress is {options.shown(progress)}; give a function of stage and fraction.")
-
-    def tell(stage: str, fraction: float) -> bool:
-        answer = progress(stage, fraction)
-        return bool(answer) or not isinstance(answer, (bool, np.bool_))
-
-    return tell
-
-
-@contextmanager
-def plain_errors() -> Iterator[None]:
-    """Makes what cannot be used an InputError, wherever it was found, and says where memory ends."""
-    try:
-        yield
-    except InputError:
-        raise
-    except ParadescError as error:
-        if error.status != abi.STATUS_INVALID_ARGUMENT:
-            raise
-        raise InputError(error.sentence) from None
-    except MemoryError:
-        raise ParadescError(abi.STATUS_OUT_OF_MEMORY, "There is not enough memory for a mesh of this size.") from None

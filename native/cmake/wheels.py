@@ -14,7 +14,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from package import LIBRARIES, ROOT, given_libraries, library_arguments, version
+from release import LIBRARIES, ROOT, given_libraries, library_arguments, version
 from scikit_build_core.build import build_sdist, build_wheel
 
 # What the libraries run on, as zig.cmake names it. Those for this system make no such promise.

@@ -353,7 +353,7 @@ def make_rim():
     """The rim of the sample scenes, or None if the script cannot make it."""
     import bpy
 
-    from paradesc.scene import mesh_io
+    from paradesc_blender.scene import mesh_io
 
     spec = importlib.util.spec_from_file_location("make_samples", SAMPLES_SCRIPT)
     script = importlib.util.module_from_spec(spec)

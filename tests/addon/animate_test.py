@@ -15,14 +15,14 @@ from conftest import command_line, environment, real_mesh
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
-import paradesc as package  # noqa: E402
+import paradesc_blender as package  # noqa: E402
 from cli_test import accepted  # noqa: E402
 from paradesc import bridge, cli  # noqa: E402
-from paradesc.animation import frames  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.files import cache, frame_baking  # noqa: E402
 from paradesc.files.frame_baking import at_fixed_radii  # noqa: E402
-from paradesc.scene import mesh_io, source_meshes, unwrap  # noqa: E402
+from paradesc_blender.animation import frames  # noqa: E402
+from paradesc_blender.scene import mesh_io, source_meshes, unwrap  # noqa: E402
 from scene import fingerprint  # noqa: E402
 
 QUICK = ("--radius", "0.1", "--samples", "64", "--buffer", "256", "--backend", "software")
@@ -209,7 +209,7 @@ def test_what_is_no_range_of_frames_is_refused(text):
 
 
 def test_fox_runs(tmp_path):
-    from paradesc.scene import scene_io
+    from paradesc_blender.scene import scene_io
 
     scene_io.open_scene(real_mesh("fox.glb"))
     target = scene_io.choose_object(None, prefer_active=False)

@@ -145,7 +145,7 @@ def bare(tmp_path):
 def unwraps(monkeypatch):
     """Counts how often Blender unwraps."""
     pytest.importorskip("bpy", reason="needs Blender")
-    from paradesc.scene import unwrap
+    from paradesc_blender.scene import unwrap
 
     made = []
     original = unwrap.unwrapped
@@ -192,7 +192,7 @@ def test_live_values_of_a_mesh_without_a_uv_map_are_the_processors(unwraps, regi
     import bpy
 
     from live_values import switch
-    from paradesc.animation import handlers
+    from paradesc_blender.animation import handlers
     from scene import add_sphere
 
     target = add_sphere(steps=12, uv_map=False)

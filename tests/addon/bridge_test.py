@@ -366,4 +366,4 @@ def test_library_is_loaded_from_the_folder_of_the_add_on_by_its_whole_path():
     path = library.library_path()
     assert path.is_absolute()
     assert path.parent.parent == Path(bridge.__file__).resolve().parent.parent
-    assert Path(library.load_library()._name) == library.unlocked(path)
+    assert Path(library.load_library()._name) == path

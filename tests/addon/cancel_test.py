@@ -10,11 +10,11 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
-from paradesc.bake.batch import Batch  # noqa: E402
 from paradesc.core import threads  # noqa: E402
+from paradesc_blender.bake.batch import Batch  # noqa: E402
 from processes import script_words  # noqa: E402
 from scene import add_sphere, attribute_values, cancel_at, fingerprint, small_bake  # noqa: E402
-from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
+from shapes import ADDON, PACKAGES, as_arrays, cube_sphere  # noqa: E402
 
 STARTERS = {"Thread", "Timer", "ThreadPoolExecutor", "ThreadPool", "ProcessPoolExecutor", "start_new_thread"}
 QUIT = """
@@ -22,11 +22,11 @@ import sys, time
 from functools import partial
 sys.path[:0] = [{addon!r}, {numpy!r}, {tests!r}]
 import bpy
-import paradesc
+import paradesc_blender
 from paradesc import bridge
 from paradesc.core import job, threads
 from shapes import as_arrays, cube_sphere
-paradesc.register()
+paradesc_blender.register()
 options = bridge.Options(radius=0.2, samples=4096)
 arrays, settings = as_arrays(*cube_sphere(40)), job.Settings(("mean_curvature",), options, {backend!r})
 worker = threads.Worker(partial(job.run, arrays, settings))
@@ -73,9 +73,9 @@ def test_all_threads_of_the_addon_are_stopped_when_blender_quits():
 
     Processes, which the command line alone starts, end with it.
     """
-    package = ADDON / "paradesc"
     starting = {
         str(path.relative_to(package))
+        for package in PACKAGES
         for path in package.rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in STARTERS

@@ -9,8 +9,8 @@ from carrying_test import bake, box, ours, shown, stock  # noqa: E402
 from export_test import enable, nearest, primitive  # noqa: E402
 
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import carrying, mesh_io, scene_io  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.scene import carrying, mesh_io, scene_io  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, saved_scene, subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -8,8 +8,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from live_values import switch  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps, job, source_kinds  # noqa: E402
-from paradesc.scene import carrying, delivery, mesh_io, record, source_meshes, targets  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.scene import carrying, delivery, mesh_io, record, source_meshes, targets  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import attribute_values, select, small_bake, subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -36,7 +36,7 @@ def sphere_obj(tmp_path):
 @pytest.fixture
 def registered():
     """The add-on registered in Blender, and an empty scene."""
-    import paradesc as package
+    import paradesc_blender as package
     from scene import empty_scene, measure_curvature
 
     empty_scene()

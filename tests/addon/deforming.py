@@ -5,7 +5,7 @@ Everything is still at the first frame and has its full strength at the last.
 
 import bpy
 
-from paradesc.scene.node_groups import add_socket
+from paradesc_blender.scene.node_groups import add_socket
 
 FIRST, LAST = 1, 7
 CASES = {}

@@ -11,9 +11,9 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import addon_utils  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
 
-import paradesc  # noqa: E402
-from paradesc.scene import mesh_io, scene_io  # noqa: E402
-from paradesc.show import channels  # noqa: E402
+import paradesc_blender  # noqa: E402
+from paradesc_blender.scene import mesh_io, scene_io  # noqa: E402
+from paradesc_blender.show import channels  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 NAMES = ("mean_curvature", "shape_index")
@@ -86,12 +86,12 @@ def test_gltf_carries_values_whose_names_begin_with_an_underscore(baked, tmp_pat
 
 
 def test_gltf_shows_the_descriptor_that_our_material_shows(baked, tmp_path):
-    paradesc.register()
+    paradesc_blender.register()
     try:
         bpy.ops.paradesc.show(name="shape_index")
         bpy.ops.paradesc.make_material(kind="colors")
     finally:
-        paradesc.unregister()
+        paradesc_blender.unregister()
     colors, source = attribute_values(baked.data, "shape_index_color"), positions(baked.data)
     enable("io_scene_gltf2")
     with scene_io.numpy_bool():

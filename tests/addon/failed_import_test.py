@@ -23,18 +23,18 @@ class Finder:
 for name in [name for name in sys.modules if name.partition(".")[0] == "numpy"]:
     del sys.modules[name]
 sys.meta_path.insert(0, Finder())
-assert addon_utils.enable("paradesc") is not None
+assert addon_utils.enable("paradesc_blender") is not None
 assert hasattr(bpy.types, "PARADESC_PT_failure")
 assert not hasattr(bpy.types, "PARADESC_PT_bake")
-addon_utils.disable("paradesc")
+addon_utils.disable("paradesc_blender")
 assert not hasattr(bpy.types, "PARADESC_PT_failure")
 print("disabled")
 """
 WITHOUT_MODULE = """
 sys.meta_path.pop(0)
-assert addon_utils.enable("paradesc") is not None
+assert addon_utils.enable("paradesc_blender") is not None
 assert hasattr(bpy.types.Scene, "paradesc")
-addon_utils.disable("paradesc")
+addon_utils.disable("paradesc_blender")
 print("works again")
 """
 ERRORS = {

@@ -7,9 +7,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import pieces  # noqa: E402
 from paradesc.files import cache, file_names, marks  # noqa: E402
-from paradesc.settings import preset_folders  # noqa: E402
+from paradesc_blender.bake import pieces  # noqa: E402
+from paradesc_blender.settings import preset_folders  # noqa: E402
 from scene import add_sphere  # noqa: E402
 from writers import bake_image, file  # noqa: E402
 

@@ -8,7 +8,7 @@ trap 'rm -rf "$user"' EXIT
 PARADESC_ZIP=$user/paradesc.zip
 export PARADESC_ZIP BLENDER_USER_CONFIG=$user/config BLENDER_USER_SCRIPTS=$user/scripts
 mkdir "$user/config" "$user/scripts"
-python3 - "$root" "$user/stage/paradesc" "$PARADESC_ZIP" <<'PACK' || exit 1
+python3 - "$root" "$user/stage" "$PARADESC_ZIP" <<'PACK' || exit 1
 import sys
 from pathlib import Path
 
@@ -17,7 +17,7 @@ sys.path.insert(0, str(root / "native" / "cmake"))
 import package
 
 folder.parent.mkdir()
-package.stage(folder, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))}, "")
+package.stage_legacy(folder, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))})
 package.write_zip(folder, target)
 PACK
 output=$(bash "$root/addon/manual/pictures/make.sh" "$root/build/pictures" panel 2>&1)

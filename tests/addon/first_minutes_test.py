@@ -9,11 +9,11 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-from paradesc.animation import handlers  # noqa: E402
 from paradesc.core import fitting, job  # noqa: E402
-from paradesc.scene import record, source_meshes, targets  # noqa: E402
-from paradesc.settings import presets  # noqa: E402
-from paradesc.ui import panel, report_panel, result  # noqa: E402
+from paradesc_blender.animation import handlers  # noqa: E402
+from paradesc_blender.scene import record, source_meshes, targets  # noqa: E402
+from paradesc_blender.settings import presets  # noqa: E402
+from paradesc_blender.ui import panel, report_panel, result  # noqa: E402
 from scene import add_sphere, attribute_values, saved_scene, select  # noqa: E402
 
 

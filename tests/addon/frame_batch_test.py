@@ -15,10 +15,10 @@ from live_values import (  # noqa: E402
     values,
 )
 from paradesc import bridge  # noqa: E402
-from paradesc.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.settings import looks  # noqa: E402
+from paradesc_blender.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
+from paradesc_blender.settings import looks  # noqa: E402
 from scene import add_sphere, fingerprint  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

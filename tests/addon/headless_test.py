@@ -18,17 +18,17 @@ from shapes import ADDON, cube_sphere, write_obj
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.commands import (  # noqa: E402
     COMMANDS,
-    cli_command,
     common,
     signals,
 )
 from paradesc.commands.main import make_parser  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.files import results  # noqa: E402
+from paradesc_blender import cli_command  # noqa: E402
 from scene import add_sphere, empty_scene, saved_scene  # noqa: E402
 
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")
@@ -263,10 +263,10 @@ def test_list_describes_descriptors_and_devices(run, report):
 @pytest.fixture
 def addon():
     """The add-on, registered."""
-    paradesc.register()
+    paradesc_blender.register()
     yield
     if hasattr(bpy.types.Scene, "paradesc"):
-        paradesc.unregister()
+        paradesc_blender.unregister()
 
 
 def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tmp_path, addon):
@@ -278,7 +278,7 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     looks = bpy.context.scene.paradesc_looks
     looks.color_map, looks.span, looks.minimum, looks.maximum = "heat", "fixed", 0.0, 7.0
     path = saved_scene(tmp_path / "scene.blend")
-    paradesc.unregister()
+    paradesc_blender.unregister()
     words = ("--scene-settings", "--samples", "16", "--output", "out.npz", "--json", "report.json")
     assert run("bake", path, *words).code == 0
     found = report()["settings"]
@@ -322,7 +322,7 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
 def test_every_preset_of_the_panel_is_one_here():
     from paradesc.commands.preset_options import found_preset
     from paradesc.files import preset_rules
-    from paradesc.settings import presets
+    from paradesc_blender.settings import presets
 
     for name in presets.PRESETS:
         settings = preset_rules.settings_of(found_preset(name), None)
@@ -355,8 +355,9 @@ def test_what_is_no_number_is_null_in_reports():
 @pytest.mark.skipif(not bpy.app.binary_path or bpy.app.version < (4, 2), reason="needs Blender 4.2's own executable")
 def test_enabled_addon_answers_to_blenders_own_command_option(tmp_path, sphere_obj):
     (tmp_path / "scripts" / "addons").mkdir(parents=True)
-    (tmp_path / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
-    start = [bpy.app.binary_path, "--factory-startup", "--addons", "paradesc", "-c", "paradesc"]
+    for name in ("paradesc", "paradesc_blender"):
+        (tmp_path / "scripts" / "addons" / name).symlink_to(ADDON / name)
+    start = [bpy.app.binary_path, "--factory-startup", "--addons", "paradesc_blender", "-c", "paradesc"]
     for words, code in ((["bake", sphere_obj, *QUICK, "--output", "out.npz"], 0), (["info", "nothing.obj"], 3)):
         process = subprocess.run(
             [*start, *map(str, words)],
@@ -377,9 +378,9 @@ def test_older_blender_without_commands_is_left_alone(monkeypatch):
 SCRIPT = """
 import sys
 sys.path[:0] = {paths!r}
-import bpy, paradesc
+import bpy, paradesc_blender
 from scene import add_sphere, empty_scene
-paradesc.register()
+paradesc_blender.register()
 empty_scene()
 target = add_sphere(steps=8)
 settings = bpy.context.scene.paradesc

@@ -5,13 +5,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import scene  # noqa: E402
 from maps_test import decode16  # noqa: E402
 
-from paradesc.bake import image_batch  # noqa: E402
+import scene  # noqa: E402
 from paradesc.core import transfer  # noqa: E402
-from paradesc.scene import mesh_io, pairs  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc_blender.bake import image_batch  # noqa: E402
+from paradesc_blender.scene import mesh_io, pairs  # noqa: E402
+from paradesc_blender.ui import panel  # noqa: E402
 from scene import add_sphere, cancel_at, empty_scene, fingerprint, saved_scene, small_bake  # noqa: E402
 
 SIZE = 96

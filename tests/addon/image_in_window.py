@@ -13,8 +13,8 @@ from mathutils import Euler
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-from paradesc.bake.modal import ModalJob  # noqa: E402
-from paradesc.scene import image_preview  # noqa: E402
+from paradesc_blender.bake.modal import ModalJob  # noqa: E402
+from paradesc_blender.scene import image_preview  # noqa: E402
 from window import begin, prepare, run_in_view, say, screen_pixels, view_context, wait_for  # noqa: E402
 
 STEP, BLACK, BRIGHT = 0.1, 0.02, 0.5

@@ -155,6 +155,6 @@ def test_a_mesh_that_fails_leaves_the_others_their_one_range(registered, tmp_pat
 def image_results_of(name):
     import bpy
 
-    from paradesc.scene import image_results
+    from paradesc_blender.scene import image_results
 
     return image_results.found(bpy.data.objects[name])

@@ -10,7 +10,7 @@ from image_uv_test import add_map  # noqa: E402
 
 from paradesc.core import udim  # noqa: E402
 from paradesc.files import map_images, png  # noqa: E402
-from paradesc.scene import image_nodes, images, node_groups, uv_maps  # noqa: E402
+from paradesc_blender.scene import image_nodes, images, node_groups, uv_maps  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 

@@ -7,10 +7,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from maps_test import decode16  # noqa: E402
 
-from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.commands.main import make_parser  # noqa: E402
 from paradesc.files import image_files  # noqa: E402
+from paradesc_blender.bake import image_batch  # noqa: E402
 from scene import add_sphere, cancel_at, fingerprint, saved_scene, small_bake  # noqa: E402
 from shapes import write_obj  # noqa: E402
 

@@ -12,9 +12,9 @@ from mathutils import Matrix  # noqa: E402
 from panel_test import drawn_by  # noqa: E402
 from udim_operator_test import SIX, in_tiles  # noqa: E402
 
-from paradesc.bake import image_viewing  # noqa: E402
-from paradesc.scene import image_preview, image_results, record  # noqa: E402
-from paradesc.ui import image_result, panel, result  # noqa: E402
+from paradesc_blender.bake import image_viewing  # noqa: E402
+from paradesc_blender.scene import image_preview, image_results, record  # noqa: E402
+from paradesc_blender.ui import image_result, panel, result  # noqa: E402
 from scene import add_sphere, saved_scene  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

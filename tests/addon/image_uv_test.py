@@ -7,10 +7,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from image_operator_test import pixels_of, pngs_in  # noqa: E402
 
-from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import InputError, draw_uv_image  # noqa: E402
 from paradesc.core import uv_faults  # noqa: E402
-from paradesc.scene import image_results, mesh_io, unwrap, uv_maps  # noqa: E402
+from paradesc_blender.bake import image_batch  # noqa: E402
+from paradesc_blender.scene import image_results, mesh_io, unwrap, uv_maps  # noqa: E402
 from scene import add_sphere, cancel_at, fingerprint, saved_scene, select, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -10,7 +10,7 @@ from shapes import RADIUS, cube_sphere
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.commands import common  # noqa: E402
-from paradesc.scene import scene_io  # noqa: E402
+from paradesc_blender.scene import scene_io  # noqa: E402
 from scene import add_sphere, empty_scene, saved_scene  # noqa: E402
 
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")

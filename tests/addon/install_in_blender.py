@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from allocator import give_back, megabytes_in_use
 
+LEGACY = "paradesc_blender"
 EXTENSION = "bl_ext.user_default.paradesc"
 REMOTE = "bl_ext.paradesc_releases.paradesc"
 USER = Path(os.environ["PARADESC_TEST_USER"])
@@ -96,7 +97,7 @@ def refused(package: str) -> None:
 def legacy(package: str) -> None:
     """Installs the zip into the add-ons folder and uses it."""
     install_legacy(package)
-    use("paradesc")
+    use(LEGACY)
 
 
 def extension(package: str) -> None:
@@ -143,7 +144,7 @@ def upgrade_remote(index: str, newer: str) -> None:
     repositories[-1].remote_url = newer
     finished(bpy.ops.extensions.repo_sync(repo_index=len(repositories) - 1))
     finished(bpy.ops.extensions.package_upgrade_all())
-    is_newer_code_with_older_library(REMOTE)
+    is_newer_with_older_package(REMOTE)
 
 
 def upgrade_extension(package: str, newer: str) -> None:
@@ -152,20 +153,20 @@ def upgrade_extension(package: str, newer: str) -> None:
     bake()
     choose()
     install_extension(newer)
-    is_newer_code_with_older_library(EXTENSION)
+    is_newer_with_older_package(EXTENSION)
 
 
 def upgrade_legacy(package: str, newer: str) -> None:
     """Installs a newer zip over one in use."""
     install_legacy(package)
-    enable("paradesc")
+    enable(LEGACY)
     bake()
     choose()
     install_legacy(newer)
     # The boxes in the preferences: off, on.
-    disable("paradesc")
-    enable("paradesc")
-    is_newer_code_with_older_library("paradesc")
+    disable(LEGACY)
+    finished(bpy.ops.preferences.addon_enable(module=LEGACY))
+    is_newer_with_older_package(LEGACY)
 
 
 def choose() -> None:
@@ -187,15 +188,14 @@ def has_chosen() -> None:
         assert found == chosen, found
 
 
-def is_newer_code_with_older_library(module: str) -> None:
-    """Checks that every module is of version 9.9.9, and that the library is the one that was in use before."""
-    assert sys.modules[module].__version__ == "9.9.9"
-    assert sys.modules[f"{module}.bridge"].FRESH == "9.9.9"
-    sentence = sys.modules[f"{module}.bridge"].missing_sentence()
-    assert "restart Blender" in sentence, sentence
+def is_newer_with_older_package(module: str) -> None:
+    """Checks that the add-on is of version 9.9.9, and says what to do about the package, which stays as it was loaded."""
+    assert sys.modules[module].__version__ == sys.modules[module].FRESH == "9.9.9"
+    sentence = sys.modules[f"{module}.ui.failure"].sentence[0]
     assert "9.9.9" in sentence
-    bpy.ops.mesh.primitive_torus_add(generate_uvs=True)
-    assert not bpy.ops.paradesc.bake.poll()
+    assert "restart Blender" in sentence, sentence
+    assert hasattr(bpy.types, "PARADESC_PT_failure")
+    assert not hasattr(bpy.types, "PARADESC_PT_bake")
     bpy.ops.wm.save_userpref()
 
 
@@ -219,9 +219,9 @@ def cycles(package: str) -> None:
     install_legacy(package)
     counts = []
     for _ in range(CYCLES):
-        enable("paradesc")
+        enable(LEGACY)
         bake()
-        disable("paradesc")
+        disable(LEGACY)
         gc.collect()
         counts.append(holdings())
     sys.stdout.write("".join(f"{count}\n" for count in counts))

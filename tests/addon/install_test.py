@@ -21,7 +21,7 @@ from shapes import ADDON, ROOT
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 from processes import run_blender, script_words  # noqa: E402
 
-DROPPED = "NOTICE.txt"
+DROPPED = "ui/README.md"
 SCRIPT = Path(__file__).with_name("install_in_blender.py")
 LIBRARIES = sorted((ADDON / "paradesc" / "lib").glob("*.so*"))
 EXTENSIONS = pytest.mark.skipif(bpy.app.version < (4, 2, 0), reason="extensions came with Blender 4.2")
@@ -55,16 +55,16 @@ def zips_of(output):
 
 def copy_sources(root):
     """Copies what package.py reads, to be changed."""
-    shutil.copytree(
-        ADDON / "paradesc", root / "addon" / "paradesc", ignore=shutil.ignore_patterns("lib", "__pycache__")
-    )
-    shutil.copytree(ADDON / "manual", root / "addon" / "manual")
+    for name in ("paradesc", "paradesc_blender", "manual"):
+        left_out = shutil.ignore_patterns("lib", "__pycache__")
+        shutil.copytree(ADDON / name, root / "addon" / name, ignore=left_out)
     for name in (
         "CMakeLists.txt",
         "LICENSE",
+        "pyproject.toml",
         "addon/CHANGELOG.md",
-        "native/cmake/package.py",
-        "native/cmake/manual.py",
+        "addon/PACKAGE.md",
+        *(f"native/cmake/{script}.py" for script in ("manual", "package", "release", "wheels")),
     ):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, root / name)
@@ -95,11 +95,12 @@ def newer_packages(tmp_path_factory):
     """Zips of a version 9.9.9 with its library, one more name in a module behind the first, and one file less."""
     root = tmp_path_factory.mktemp("newer")
     copy_sources(root)
-    addon = root / "addon" / "paradesc"
+    addon, package = root / "addon" / "paradesc_blender", root / "addon" / "paradesc"
     replace(root / "CMakeLists.txt", r"^project\(paradesc VERSION \S+", "project(paradesc VERSION 9.9.9")
+    replace(package / "__init__.py", r'^__version__ = ".*"', '__version__ = "9.9.9"')
     replace(addon / "blender_manifest.toml", r'^version = ".*"', 'version = "9.9.9"')
     replace(addon / "__init__.py", r'"version": \(.*\)', '"version": (9, 9, 9)')
-    with (addon / "bridge" / "__init__.py").open("a") as module:
+    with (addon / "__init__.py").open("a") as module:
         module.write('\nFRESH = "9.9.9"\n')
     (addon / DROPPED).unlink()
     return pack(root, tmp_path_factory.mktemp("newer_packages"), "--files", *newer_libraries(root / "lib"))
@@ -152,26 +153,20 @@ def installed(tmp_path, module):
 
 
 def names_in(package):
-    """Names of the files in a zip, without the folder that a legacy zip has around them."""
-    return {re.sub("^paradesc/", "", name) for name in zipfile.ZipFile(package).namelist() if not name.endswith("/")}
+    """Names of the files in a zip."""
+    return {name for name in zipfile.ZipFile(package).namelist() if not name.endswith("/")}
 
 
 @pytest.mark.slow
 def test_legacy_zip_installs_and_bakes(packages, tmp_path):
     in_blender(tmp_path, "legacy", packages["legacy"])
-    assert installed(tmp_path, "scripts/addons/paradesc") == names_in(packages["legacy"])
+    assert installed(tmp_path, "scripts/addons") == names_in(packages["legacy"])
 
 
 @EXTENSIONS
 def test_extension_zip_installs_and_bakes(packages, tmp_path):
     in_blender(tmp_path, "extension", packages["extension"])
     assert installed(tmp_path, "extensions/user_default/paradesc") == names_in(packages["extension"])
-
-
-@pytest.mark.slow
-@EXTENSIONS
-def test_legacy_zip_installs_as_an_extension_too(packages, tmp_path):
-    in_blender(tmp_path, "extension", packages["legacy"])
 
 
 @pytest.mark.slow
@@ -187,7 +182,7 @@ def test_extension_zip_of_another_system_is_refused_by_blender(tmp_path):
 
 # Each of them also starts Blender again, and uses the older version's library before the newer one comes.
 UPDATES = {
-    "legacy": ("scripts/addons/paradesc", "paradesc"),
+    "legacy": ("scripts/addons", "paradesc_blender"),
     "extension": ("extensions/user_default/paradesc", "bl_ext.user_default.paradesc"),
     "index": ("extensions/paradesc_releases/paradesc", "bl_ext.paradesc_releases.paradesc"),
 }
@@ -197,12 +192,13 @@ UPDATES = {
 @pytest.mark.parametrize("kind", ["legacy", *(pytest.param(kind, marks=EXTENSIONS) for kind in ("extension", "index"))])
 def test_update_keeps_settings_and_presets_and_leaves_no_old_file(kind, packages, newer_packages, served, tmp_path):
     folder, module = UPDATES[kind]
-    zips = packages["legacy" if kind == "legacy" else "extension"], newer_packages["legacy"]
-    assert DROPPED in names_in(zips[0]) - names_in(zips[1])
+    name = "legacy" if kind == "legacy" else "extension"
+    zips = packages[name], newer_packages[name]
+    assert any(name.endswith(DROPPED) for name in names_in(zips[0]) - names_in(zips[1]))
     if kind == "index":
         in_blender(tmp_path, "upgrade_remote", served(packages["index"]), served(newer_packages["index"]))
     else:
-        in_blender(tmp_path, f"upgrade_{kind}", packages[kind], newer_packages[kind])
+        in_blender(tmp_path, f"upgrade_{kind}", *zips)
     assert installed(tmp_path, folder) == names_in(zips[1])
     restarted(tmp_path, module)
 
@@ -247,13 +243,28 @@ def test_enabling_and_disabling_twenty_times_leaks_nothing(packages, tmp_path):
 
 
 def test_zips_hold_the_addon_and_nothing_else(packed):
-    expected = {str(path.relative_to(ADDON / "paradesc")) for path in (ADDON / "paradesc").rglob("*") if path.is_file()}
-    expected = {name for name in expected if "__pycache__" not in name and not name.startswith("lib")}
-    expected |= {f"lib/{path.name}" for path in LIBRARIES} | {"LICENSE"} | names_of_the_manual()
-    assert set(zipfile.ZipFile(packed["extension"]).namelist()) == expected
-    legacy = zipfile.ZipFile(packed["legacy"]).namelist()
-    assert {name for name in legacy if not name.endswith("/")} == {f"paradesc/{name}" for name in expected}
-    assert legacy[0] == "paradesc/"  # or Blender would unpack a newer zip into the folder of the older one
+    addon = sources_of("paradesc_blender") | {"LICENSE"} | names_of_the_manual()
+    extension = names_in(packed["extension"])
+    (wheel,) = extension - addon
+    assert re.fullmatch(r"wheels/paradesc-[\d.]+-py3-none-linux_\w+\.whl", wheel)
+    assert f'wheels = ["./{wheel}"]' in read_in(packed["extension"], "blender_manifest.toml")
+    assert extension == addon | {wheel}
+    package = sources_of("paradesc") | {f"lib/{path.name}" for path in LIBRARIES}
+    expected = {f"paradesc_blender/{name}" for name in addon} | {f"paradesc/{name}" for name in package}
+    assert names_in(packed["legacy"]) == expected
+    legacy = zipfile.ZipFile(packed["legacy"]).namelist()  # folders, or Blender would unpack a newer zip into the older one
+    assert {"paradesc/", "paradesc_blender/"} <= set(legacy)
+
+
+def sources_of(name):
+    """The files of a package in the source tree, without libraries."""
+    found = {str(path.relative_to(ADDON / name)) for path in (ADDON / name).rglob("*") if path.is_file()}
+    return {name for name in found if "__pycache__" not in name and not name.startswith("lib")}
+
+
+def read_in(package, name):
+    """The text of a file in a zip."""
+    return zipfile.ZipFile(package).read(name).decode()
 
 
 def names_of_the_manual():
@@ -273,21 +284,21 @@ def test_packages_link_an_address_where_one_is_given(packed, tmp_path):
     linked = pack(ROOT, tmp_path / "linked", "--files", *LIBRARIES, f"--website={address}")
     for zips, times in ((packed, 0), (linked, 1)):
         manifest_text = zipfile.ZipFile(zips["extension"]).read("blender_manifest.toml").decode()
-        module = zipfile.ZipFile(zips["legacy"]).read("paradesc/__init__.py").decode()
+        module = zipfile.ZipFile(zips["legacy"]).read("paradesc_blender/__init__.py").decode()
         assert manifest_text.count(f'website = "{address}"') == times
         assert module.count(f'"doc_url": "{address}"') == times
 
 
 def test_sources_of_two_versions_are_not_packed(tmp_path):
     copy_sources(tmp_path)
-    replace(tmp_path / "addon" / "paradesc" / "blender_manifest.toml", r'^version = ".*"', 'version = "0.0.1"')
+    replace(tmp_path / "addon" / "paradesc_blender" / "blender_manifest.toml", r'^version = ".*"', 'version = "0.0.1"')
     with pytest.raises(AssertionError, match="the versions differ"):
         pack(tmp_path, tmp_path / "output")
 
 
 def bl_info():
     """What Blender before 4.2 reads without running the file."""
-    tree = ast.parse((ADDON / "paradesc" / "__init__.py").read_text())
+    tree = ast.parse((ADDON / "paradesc_blender" / "__init__.py").read_text())
     return next(
         ast.literal_eval(node.value)
         for node in tree.body
@@ -297,7 +308,7 @@ def bl_info():
 
 def manifest(name):
     """One text of the extension's manifest."""
-    return re.search(rf'^{name} = "(.*)"', (ADDON / "paradesc" / "blender_manifest.toml").read_text(), re.M).group(1)
+    return re.search(rf'^{name} = "(.*)"', (ADDON / "paradesc_blender" / "blender_manifest.toml").read_text(), re.M).group(1)
 
 
 def test_all_say_the_same_version():
@@ -326,58 +337,3 @@ def test_system_without_a_release_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(library.platform, "machine", lambda: "riscv64")
     with pytest.raises(library.ParadescError, match="this is Linux on riscv64"):
         library.open_library(tmp_path / "libparadesc.so")
-
-
-@pytest.fixture
-def windows(tmp_path, monkeypatch):
-    """Windows with a folder for temporary files, which can be neither renamed nor removed while they are open."""
-    (tmp_path / "temporary").mkdir()
-    monkeypatch.setattr(library.sys, "platform", "win32")
-    monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    move = Path.replace
-
-    def replace_closed(path, target):
-        opened = {os.path.realpath(entry.path) for entry in os.scandir("/proc/self/fd")}
-        if {os.path.realpath(path), os.path.realpath(target)} & opened:
-            raise PermissionError(13, "The process cannot access the file because it is being used by another process")
-        return move(path, target)
-
-    monkeypatch.setattr(Path, "replace", replace_closed)
-
-
-@pytest.mark.usefixtures("windows")
-def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path):
-    original = tmp_path / "paradesc.dll"
-    original.write_bytes(b"first")
-    first = library.unlocked(original)
-    assert first.parent.parent == tmp_path / "temporary"
-    assert first.read_bytes() == b"first"
-    assert library.unlocked(original) == first
-    original.write_bytes(b"second")
-    assert library.unlocked(original) != first
-    assert [path.name for path in first.parent.iterdir()] == ["paradesc.dll"]
-
-
-@pytest.mark.usefixtures("windows")
-def test_windows_takes_the_copy_that_another_blender_has_just_made(tmp_path, monkeypatch):
-    original = tmp_path / "paradesc.dll"
-    original.write_bytes(b"first")
-    replace_closed = Path.replace
-
-    def other_is_faster(path, target):
-        target.write_bytes(b"first")
-        with target.open():
-            return replace_closed(path, target)
-
-    monkeypatch.setattr(Path, "replace", other_is_faster)
-    copy = library.unlocked(original)
-    assert copy.read_bytes() == b"first"
-    assert [path.name for path in copy.parent.iterdir()] == ["paradesc.dll"]
-
-
-@pytest.mark.usefixtures("windows")
-def test_windows_without_room_for_the_copy_says_so_in_one_sentence(tmp_path, monkeypatch):
-    (tmp_path / "paradesc.dll").write_bytes(b"first")
-    monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
-    with pytest.raises(library.ParadescError, match=r"native library cannot be loaded – .*nowhere"):
-        library.open_library(tmp_path / "paradesc.dll")

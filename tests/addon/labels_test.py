@@ -7,8 +7,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import texts  # noqa: E402
+
 from paradesc import bridge  # noqa: E402
-from paradesc.ui import settings_panel  # noqa: E402
+from paradesc_blender.ui import settings_panel  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 

@@ -74,7 +74,7 @@ def test_edges_are_bent_from_ten_degrees_on():
 def shown(registered):
     """Adds a primitive, and tells how its button asks."""
     bpy = pytest.importorskip("bpy", reason="needs Blender")
-    from paradesc.scene import large_faces as of_objects
+    from paradesc_blender.scene import large_faces as of_objects
 
     def answer(kind, modifier="", source="auto", **settings):
         getattr(bpy.ops.mesh, f"primitive_{kind}_add")()
@@ -113,13 +113,13 @@ def test_primitives_are_told_apart(shown, kind, large):
 def test_real_meshes_are_told_apart(registered, name, large):
     bpy = pytest.importorskip("bpy", reason="needs Blender")
     bpy.ops.wm.obj_import(filepath=str(real_mesh(f"{name}.obj")))
-    from paradesc.scene import large_faces as of_objects
+    from paradesc_blender.scene import large_faces as of_objects
 
     assert of_objects.every([item for item in bpy.data.objects if item.type == "MESH"], "auto") == large
 
 
 def test_of_no_object_nothing_is_said(registered):
-    from paradesc.scene import large_faces as of_objects
+    from paradesc_blender.scene import large_faces as of_objects
 
     assert not of_objects.every([], "auto")
 
@@ -135,7 +135,7 @@ def drawn(cls):
 
 @pytest.mark.parametrize("kind", ["cube", "torus"])
 def test_the_main_button_is_the_one_that_shows_a_mask_and_the_other_stays(shown, kind):
-    from paradesc.ui import panel
+    from paradesc_blender.ui import panel
 
     large = shown(kind)
     found, buttons = drawn(panel.PARADESC_PT_bake), ["Bake Descriptors", "Bake to Image"]
@@ -144,7 +144,7 @@ def test_the_main_button_is_the_one_that_shows_a_mask_and_the_other_stays(shown,
 
 
 def test_menus_bake_to_images_then(shown):
-    from paradesc.ui import menus
+    from paradesc_blender.ui import menus
 
     shown("torus")
     assert drawn(menus.PARADESC_MT_bake)["operator"][0] == "Bake Cavity"
@@ -170,7 +170,7 @@ def test_flat_faces_of_a_cube_are_black_away_from_its_edges_in_the_image(shown):
     """Twice the radius from an edge nothing of another face is seen: 0 to the bit of a 16-bit pixel."""
     import bpy
 
-    from paradesc.scene import image_results, unwrap
+    from paradesc_blender.scene import image_results, unwrap
 
     shown("cube")
     bpy.context.scene.paradesc.texels = 1024

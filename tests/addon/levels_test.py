@@ -8,9 +8,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import record, viewports  # noqa: E402
-from paradesc.settings import looks as settings_looks  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.scene import record, viewports  # noqa: E402
+from paradesc_blender.settings import looks as settings_looks  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, select  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -17,10 +17,10 @@ words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 import deforming  # noqa: E402
-from paradesc.animation import cache_places, handlers, live, pausing  # noqa: E402
-from paradesc.bake import modal  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc_blender.animation import cache_places, handlers, live, pausing  # noqa: E402
+from paradesc_blender.bake import modal  # noqa: E402
+from paradesc_blender.scene import mesh_io  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, baking, begin, prepare, say, view_context, wait_for  # noqa: E402
 

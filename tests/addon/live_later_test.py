@@ -8,8 +8,8 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import NAME, baked_shape, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import handlers, live, sessions  # noqa: E402
 from paradesc.core import contexts  # noqa: E402
+from paradesc_blender.animation import handlers, live, sessions  # noqa: E402
 from scene import subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

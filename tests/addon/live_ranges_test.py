@@ -6,10 +6,10 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import handlers, painting  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import record  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.animation import handlers, painting  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

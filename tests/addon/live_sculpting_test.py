@@ -8,10 +8,10 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import count_computations, switch, values  # noqa: E402
-from paradesc.animation import handlers, live, pausing, sessions  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
-from paradesc.ui import live_panel  # noqa: E402
+from paradesc_blender.animation import handlers, live, pausing, sessions  # noqa: E402
+from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.ui import live_panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

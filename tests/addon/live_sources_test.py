@@ -6,11 +6,11 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import count_computations, switch, values  # noqa: E402
-from paradesc.animation import frames, handlers  # noqa: E402
 from paradesc.core import choices, fitting  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import record  # noqa: E402
-from paradesc.settings.animation import frame_source  # noqa: E402
+from paradesc_blender.animation import frames, handlers  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.settings.animation import frame_source  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

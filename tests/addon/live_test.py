@@ -9,11 +9,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
-from paradesc.scene import mesh_io, source_meshes  # noqa: E402
-from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import live_panel  # noqa: E402
+from paradesc_blender.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
+from paradesc_blender.scene import mesh_io, source_meshes  # noqa: E402
+from paradesc_blender.settings import properties  # noqa: E402
+from paradesc_blender.ui import live_panel  # noqa: E402
 from scene import add_sphere, attribute_values, subdivide  # noqa: E402
 
 NAME = "mean_curvature"
@@ -340,7 +340,7 @@ def test_a_loaded_file_is_live_again(stretching, tmp_path):
 def test_every_handler_is_hung_in_once_and_taken_out():
     def count():
         return sum(
-            getattr(hook, "__module__", "").startswith("paradesc.animation.handlers")
+            getattr(hook, "__module__", "").startswith("paradesc_blender.animation.handlers")
             for name in handlers.HANDLERS
             for hook in getattr(bpy.app.handlers, name)
         )

@@ -6,10 +6,10 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.animation import live
 from paradesc.core import job
 from paradesc.files.frame_baking import at_fixed_radii
-from paradesc.scene import mesh_io
+from paradesc_blender.animation import live
+from paradesc_blender.scene import mesh_io
 from scene import add_sphere, attribute_values
 
 NAME = "mean_curvature"

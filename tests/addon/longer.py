@@ -6,7 +6,7 @@ import re
 import bpy
 
 from paradesc import bridge
-from shapes import ADDON
+from shapes import PACKAGES
 
 # What German and French need more, as a rule of thumb.
 FACTOR = 1.4
@@ -15,7 +15,7 @@ FACTOR = 1.4
 def constants() -> set[str]:
     """Every text in the code of the add-on, docstrings too."""
     found = set()
-    for path in (ADDON / "paradesc").rglob("*.py"):
+    for path in (path for package in PACKAGES for path in package.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         found |= {
             node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)

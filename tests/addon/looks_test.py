@@ -7,11 +7,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
-from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
-from paradesc.settings import looks  # noqa: E402
-from paradesc.show import channels, overlay, recolor  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, sculpt_masks  # noqa: E402
+from paradesc_blender.settings import looks  # noqa: E402
+from paradesc_blender.show import channels, overlay, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "curvedness")
@@ -180,7 +180,7 @@ def test_a_switch_of_an_operator_does_not_stay_on_for_the_next_click():
 
 def test_operators_that_change_the_scene_are_steps_to_undo():
     """Those without a step write files of their own, or change a view, which Blender does not undo either."""
-    known = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Operator)]
+    known = [cls for module in paradesc_blender.modules() for cls in module.classes if issubclass(cls, bpy.types.Operator)]
     without = {cls.bl_idname for cls in known if "UNDO" not in getattr(cls, "bl_options", ())}
     views = ("view_colors", "restore_shading", "show_image", "open_image", "show_research", "look_at_buttons")
     files = ("add_preset", "manual", "asset_library", "open_image_folder", "save_images")
@@ -288,6 +288,6 @@ def test_making_the_mask_keeps_shape_keys_and_selection(baked):
 
 
 def test_settings_without_the_add_on_are_automatic():
-    paradesc.unregister()
+    paradesc_blender.unregister()
     assert looks.scene_look(bpy.context.scene) == color_maps.Look()
-    paradesc.register()
+    paradesc_blender.register()

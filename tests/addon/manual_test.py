@@ -100,9 +100,9 @@ def test_scripts_in_commands_exist():
 
 
 def test_files_in_the_developers_page_exist():
-    folders = ("addon/paradesc", "addon/manual", "blend_samples", "native", "shaders", "tests")
+    folders = ("addon/paradesc", "addon/paradesc_blender", "addon/manual", "blend_samples", "native", "shaders", "tests")
     there = [f"/{path.relative_to(ROOT)}" for folder in folders for path in (ROOT / folder).rglob("*.*")]
-    there += [f"/{path.name}" for path in ROOT.iterdir()]
+    there += [f"/{path.name}" for path in ROOT.iterdir()] + [f"/addon/{path.name}/" for path in (ROOT / "addon").iterdir()]
     known = re.compile(r"[\w./-]*\w(?:/|\.(?:cpp|h|def|glsl|frag|comp|py|sh|cmake|md|txt|toml))|[a-z]+(?:/\w+)+")
     for word in sorted(set(re.findall(r"`([^`\n]+)`", (ROOT / "native" / "README.md").read_text(encoding="utf-8")))):
         if known.fullmatch(word) and not word.startswith(("/", "build")):
@@ -175,11 +175,11 @@ def test_every_count_of_the_reports_is_in_the_reference():
 def test_every_setting_of_the_add_on_is_in_the_reference(registered):
     import bpy
 
-    import paradesc
+    import paradesc_blender
 
     text = section(REFERENCE.read_text(encoding="utf-8"), "Settings")
     kept = (bpy.types.PropertyGroup, bpy.types.AddonPreferences)
-    groups = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, kept)]
+    groups = [cls for module in paradesc_blender.modules() for cls in module.classes if issubclass(cls, kept)]
     groups.append(bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings"))
     names = [name for cls in groups for name in cls.__annotations__]
     assert len(names) > 60
@@ -200,7 +200,7 @@ def test_every_option_of_the_command_line_is_in_the_reference():
 
 @IN_BLENDER
 def test_every_preset_is_in_the_manual(registered):
-    from paradesc.settings import presets
+    from paradesc_blender.settings import presets
 
     text = (MANUAL / "presets.md").read_text(encoding="utf-8")
     for name, preset in presets.PRESETS.items():
@@ -280,7 +280,7 @@ def test_without_the_library_for_web_pages_the_pages_go_as_they_are(write_manual
 def test_the_question_mark_opens_the_manual_that_is_there(registered, monkeypatch, tmp_path, name, operator):
     import bpy
 
-    from paradesc.ui import manual
+    from paradesc_blender.ui import manual
 
     opened = []
     calls = {
@@ -300,6 +300,6 @@ def test_the_question_mark_opens_the_manual_that_is_there(registered, monkeypatc
 
 @IN_BLENDER
 def test_a_source_tree_has_its_manual_too():
-    from paradesc.ui import manual
+    from paradesc_blender.ui import manual
 
     assert manual.first_page().resolve() == MANUAL / "README.md"

@@ -155,7 +155,7 @@ def test_exr_of_ours_is_read(tmp_path):
 
 def same_as_blender(path):
     bpy = pytest.importorskip("bpy", reason="needs Blender")
-    from paradesc.scene import surface_maps
+    from paradesc_blender.scene import surface_maps
 
     pixels, fine = surface_maps.read_file(path)
     own, own_fine = map_images.read_image(path)

@@ -7,8 +7,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
-from paradesc.scene import mesh_io  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "cavity", "convexity")

@@ -12,7 +12,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, record  # noqa: E402
+from paradesc_blender.scene import mesh_io, record  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 SETTINGS = job.Settings(

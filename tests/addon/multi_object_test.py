@@ -5,10 +5,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import batch, operators, pieces  # noqa: E402
 from paradesc.core import job, spaces  # noqa: E402
-from paradesc.scene import mesh_io, record, targets  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc_blender.bake import batch, operators, pieces  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
+from paradesc_blender.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 
 

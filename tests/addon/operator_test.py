@@ -7,14 +7,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
-from paradesc.bake import operators  # noqa: E402
 from paradesc.core import job, members  # noqa: E402
 from paradesc.core.threads import Worker  # noqa: E402
-from paradesc.scene import mesh_io, record  # noqa: E402
-from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import drawing, report_panel  # noqa: E402
+from paradesc_blender.bake import operators  # noqa: E402
+from paradesc_blender.scene import mesh_io, record  # noqa: E402
+from paradesc_blender.settings import properties  # noqa: E402
+from paradesc_blender.ui import drawing, report_panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -44,10 +44,10 @@ def test_last_run_says_that_a_radius_shows_facets(sphere_object):
 
 
 def test_registering_twice_leaves_nothing_behind():
-    paradesc.unregister()
+    paradesc_blender.unregister()
     assert not hasattr(bpy.types.Scene, "paradesc")
     assert not hasattr(bpy.types, "PARADESC_OT_bake")
-    paradesc.register()
+    paradesc_blender.register()
     assert hasattr(bpy.types, "PARADESC_OT_bake")
 
 

@@ -8,11 +8,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from live_values import switch  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
-from paradesc.animation import handlers  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+
+from live_values import switch  # noqa: E402
+from paradesc_blender.animation import handlers  # noqa: E402
+from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, subdivide  # noqa: E402
 from writers import NAME, WRITERS, attribute, bake, everything, kinds  # noqa: E402
 

@@ -7,9 +7,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import batch  # noqa: E402
 from paradesc.files import bake_files, maps  # noqa: E402
-from paradesc.scene import targets  # noqa: E402
+from paradesc_blender.bake import batch  # noqa: E402
+from paradesc_blender.scene import targets  # noqa: E402
 from scene import add_sphere, fingerprint, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -8,14 +8,23 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
-from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
-from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.core import members  # noqa: E402
-from paradesc.scene import large_faces, mesh_io, record  # noqa: E402
-from paradesc.settings import preferences, research  # noqa: E402
-from paradesc.ui import drawing, image_panel, live_panel, looks_panel, panel, report_panel, result, settings_panel  # noqa: E402
+from paradesc_blender.animation.frame_batch import FrameBatch  # noqa: E402
+from paradesc_blender.bake import batch, modal  # noqa: E402
+from paradesc_blender.scene import large_faces, mesh_io, record  # noqa: E402
+from paradesc_blender.settings import preferences, research  # noqa: E402
+from paradesc_blender.ui import (  # noqa: E402
+    drawing,
+    image_panel,
+    live_panel,
+    looks_panel,
+    panel,
+    report_panel,
+    result,
+    settings_panel,
+)
 from scene import add_sphere, select, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
@@ -26,7 +35,7 @@ PANELS = [
     for cls in module.classes
     if cls.__name__ != "PARADESC_MT_devices"
 ]
-EVERY_PANEL = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
+EVERY_PANEL = [cls for module in paradesc_blender.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
 # So many settings are what somebody can look through.
 MOST_SETTINGS = 45
 

@@ -6,13 +6,13 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
-from paradesc.animation import cache_places, frames, handlers  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import record  # noqa: E402
-from paradesc.ui import report_panel  # noqa: E402
+from paradesc_blender.animation import cache_places, frames, handlers  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.ui import report_panel  # noqa: E402
 from scene import attribute_values, measure_curvature, subdivide  # noqa: E402
 
 NAME = "mean_curvature"
@@ -23,7 +23,7 @@ SETTINGS = job.Settings((NAME,), bridge.Options(radius=0.1, samples=64, buffer_s
 def swelling(tmp_path):
     """The sphere that swells, with frames 1, 6 and 11 in the cache of its file."""
     target = animated.swelling_sphere()
-    paradesc.register()
+    paradesc_blender.register()
     measure_curvature()
     scene = bpy.context.scene
     scene.paradesc_animation.cache_folder = str(tmp_path)
@@ -34,7 +34,7 @@ def swelling(tmp_path):
         for frame in (1, 6, 11):
             baker.run(baker.prepare(frame))
     yield target
-    paradesc.unregister()
+    paradesc_blender.unregister()
 
 
 def play(target):

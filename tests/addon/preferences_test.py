@@ -6,9 +6,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene import record  # noqa: E402
-from paradesc.settings import preferences as settings_preferences  # noqa: E402
-from paradesc.settings import properties, research  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.settings import preferences as settings_preferences  # noqa: E402
+from paradesc_blender.settings import properties, research  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 def preferences():
     """The preferences of the add-on as if it were enabled."""
     addon = bpy.context.preferences.addons.new()
-    addon.module = "paradesc"
+    addon.module = "paradesc_blender"
     yield addon.preferences
     bpy.context.preferences.addons.remove(addon)
 

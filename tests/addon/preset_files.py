@@ -4,7 +4,7 @@ import json
 
 import bpy
 
-from paradesc.settings import preset_folders
+from paradesc_blender.settings import preset_folders
 
 SOUND = {
     "paradesc_preset": 1,

@@ -13,7 +13,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.files import preset_file, preset_rules  # noqa: E402
-from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
+from paradesc_blender.settings import preset_folders, preset_members, presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
@@ -70,7 +70,7 @@ def own(monkeypatch, tmp_path):
 def preferences():
     """The preferences of the add-on as if it were enabled."""
     addon = bpy.context.preferences.addons.new()
-    addon.module = "paradesc"
+    addon.module = "paradesc_blender"
     yield addon.preferences
     bpy.context.preferences.addons.remove(addon)
 

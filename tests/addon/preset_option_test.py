@@ -4,7 +4,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.settings import preset_folders  # noqa: E402
+from paradesc_blender.settings import preset_folders  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import add_sphere, saved_scene  # noqa: E402
 

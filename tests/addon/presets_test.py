@@ -7,8 +7,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
 from paradesc.core import devices, members  # noqa: E402
-from paradesc.settings import presets, properties  # noqa: E402
-from paradesc.ui import settings_panel  # noqa: E402
+from paradesc_blender.settings import presets, properties  # noqa: E402
+from paradesc_blender.ui import settings_panel  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

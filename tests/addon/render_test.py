@@ -13,8 +13,8 @@ from shapes import ADDON
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-from paradesc.animation import handlers, live  # noqa: E402
-from paradesc.scene import record  # noqa: E402
+from paradesc_blender.animation import handlers, live  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
 from processes import run_blender  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
@@ -261,21 +261,22 @@ def test_animation_in_eevee_shows_each_frames_values(tmp_path):
 
 ENABLE = """
 import bpy
-assert bpy.ops.preferences.addon_enable(module="paradesc") == {"FINISHED"}
+assert bpy.ops.preferences.addon_enable(module="paradesc_blender") == {"FINISHED"}
 bpy.ops.wm.save_userpref()
 """
 REGISTER = """
 import sys
 sys.path.insert(0, FOLDER)
-import paradesc
-paradesc.register()
+import paradesc_blender
+paradesc_blender.register()
 """
 
 
 def enabled_by_preferences(folder):
     """Enables the add-on where users put it; no words are needed."""
     (folder / "scripts" / "addons").mkdir(parents=True)
-    (folder / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
+    for name in ("paradesc", "paradesc_blender"):
+        (folder / "scripts" / "addons" / name).symlink_to(ADDON / name)
     (folder / "enable.py").write_text(ENABLE)
     run_blender([bpy.app.binary_path, "-b", "--factory-startup", "-P", folder / "enable.py"], folder)
     return []

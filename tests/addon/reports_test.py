@@ -9,9 +9,9 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import longer  # noqa: E402
 
 from paradesc import bridge  # noqa: E402
-from paradesc.settings import translation  # noqa: E402
+from paradesc_blender.settings import translation  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
-from shapes import ADDON  # noqa: E402
+from shapes import ADDON, PACKAGES  # noqa: E402
 
 # Sentences of these are put together from what was looked up.
 MARKED = "«"
@@ -19,7 +19,7 @@ MARKED = "«"
 
 def reports():
     """Every call of an operator's report() in the add-on, and the file where it stands."""
-    for path in sorted((ADDON / "paradesc").rglob("*.py")):
+    for path in sorted(path for package in PACKAGES for path in package.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and ast.unparse(node.func) == "self.report" and len(node.args) == 2:
                 yield path.relative_to(ADDON), node

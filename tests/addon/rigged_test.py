@@ -6,9 +6,9 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from panel_test import context, drawn_by  # noqa: E402
 
-from paradesc.scene import record, targets  # noqa: E402
-from paradesc.show import overlay, recolor  # noqa: E402
-from paradesc.ui import image_result, live_panel, panel, report_panel  # noqa: E402
+from paradesc_blender.scene import record, targets  # noqa: E402
+from paradesc_blender.show import overlay, recolor  # noqa: E402
+from paradesc_blender.ui import image_result, live_panel, panel, report_panel  # noqa: E402
 from scene import add_sphere, select, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -47,7 +47,7 @@ def test_the_panel_shows_what_the_button_has_baked(rig, selected):
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert any(line.startswith("Cavity · ") for line in shown["label"])
     assert {"follows", "contrast", "brightness", "invert"} <= set(shown["prop"])
-    assert "paradesc.show" in shown["operator"] or "Cavity" in shown["operator"]
+    assert "paradesc_blender.show" in shown["operator"] or "Cavity" in shown["operator"]
     assert report_panel.PARADESC_PT_report.poll(context())
     assert live_panel.PARADESC_PT_live.poll(context())
 

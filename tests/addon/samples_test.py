@@ -17,7 +17,7 @@ from mathutils.kdtree import KDTree  # noqa: E402
 
 from paradesc import bridge  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, scene_io, surface_maps  # noqa: E402
+from paradesc_blender.scene import mesh_io, scene_io, surface_maps  # noqa: E402
 
 SAMPLES = ROOT / "blend_samples"
 

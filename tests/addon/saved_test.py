@@ -12,11 +12,11 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc as package  # noqa: E402
+import paradesc_blender as package  # noqa: E402
 from live_values import switch  # noqa: E402
-from paradesc.scene import record  # noqa: E402
-from paradesc.show import overlay, recolor  # noqa: E402
-from paradesc.ui import report_panel  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.show import overlay, recolor  # noqa: E402
+from paradesc_blender.ui import report_panel  # noqa: E402
 from scene import select  # noqa: E402
 
 ARCHIVES = sorted((Path(__file__).parent / "saved").glob("*.zip"))

@@ -15,10 +15,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import longer  # noqa: E402
 
-import paradesc  # noqa: E402
-from paradesc.scene import record  # noqa: E402
-from paradesc.settings import translation  # noqa: E402
-from paradesc.ui import drawing  # noqa: E402
+import paradesc_blender  # noqa: E402
+from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.settings import translation  # noqa: E402
+from paradesc_blender.ui import drawing  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 DEFAULT_WIDTH = 229  # of a sidebar that nobody has widened, at the scale 1
@@ -26,7 +26,7 @@ DEFAULT_WIDTH = 229  # of a sidebar that nobody has widened, at the scale 1
 LABEL_SHARE, BUTTON_ICON = 0.4, 18
 # This one of the descriptors' names ends with "…" in the menu that shows one.
 LONGEST = "Principal Curvature, Smaller"
-PANELS = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
+PANELS = [cls for module in paradesc_blender.modules() for cls in module.classes if issubclass(cls, bpy.types.Panel)]
 
 
 class Layout:

@@ -5,9 +5,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import sculpt_mask as masking  # noqa: E402
-from paradesc.scene import sculpt_masks  # noqa: E402
-from paradesc.show import recolor  # noqa: E402
+from paradesc_blender.bake import sculpt_mask as masking  # noqa: E402
+from paradesc_blender.scene import sculpt_masks  # noqa: E402
+from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -7,6 +7,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = ROOT / "addon"
+PACKAGES = (ADDON / "paradesc", ADDON / "paradesc_blender")  # of the wheel, and of Blender
 if str(ADDON) not in sys.path:
     sys.path.insert(0, str(ADDON))
 

@@ -12,8 +12,8 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-from paradesc.animation import handlers, live, pausing  # noqa: E402
-from paradesc.scene import mesh_io, viewports  # noqa: E402
+from paradesc_blender.animation import handlers, live, pausing  # noqa: E402
+from paradesc_blender.scene import mesh_io, viewports  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 from window import (  # noqa: E402
     baking,

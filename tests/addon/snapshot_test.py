@@ -4,8 +4,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.bake import batch  # noqa: E402
-from paradesc.settings import snapshot  # noqa: E402
+from paradesc_blender.bake import batch  # noqa: E402
+from paradesc_blender.settings import snapshot  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 

@@ -11,8 +11,8 @@ import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
-from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
-from paradesc.scene.node_groups import add_socket  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
+from paradesc_blender.scene.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
 from shapes import ADDON  # noqa: E402
 
@@ -307,7 +307,7 @@ def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have()
     labels = {name: label for name, label, _ in source_kinds.SOURCES}
     assert source_kinds.in_words("evaluated", "original") == "With Modifiers (evaluated) or Base Mesh (original)"
     folders = ("scene", "bake", "show", "animation", "settings", "ui")  # commands have words of their own
-    for path in [path for folder in folders for path in (ADDON / "paradesc" / folder).glob("*.py")]:
+    for path in [path for folder in folders for path in (ADDON / "paradesc_blender" / folder).glob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
             assert not any(f"the source {name}" in text for name in labels), f"{path}: {text}"

@@ -62,8 +62,8 @@ def test_of_a_drawing_only_what_is_sound_is_kept():
 def test_a_mesh_with_a_damaged_property_is_read_without_an_error():
     bpy = pytest.importorskip("bpy", reason="needs Blender")
     from paradesc import bridge
-    from paradesc.scene import record
-    from paradesc.show import channels, recolor
+    from paradesc_blender.scene import record
+    from paradesc_blender.show import channels, recolor
 
     mesh = bpy.data.meshes.new("damaged")
     mesh[record.PROPERTY] = a_summary(ranges={}, layout={"topology": 3})

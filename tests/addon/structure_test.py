@@ -1,48 +1,66 @@
 """The add-on's folders use those that they may, no import runs in a circle, and files and functions are short."""
 
 import ast
+import os
+import subprocess
+import sys
 from graphlib import TopologicalSorter
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from shapes import ADDON
 
-PACKAGE = ADDON / "paradesc"
-# What each folder uses, in the order of the data.
-USES = {
+# The Python package, and the add-on that uses it. What each folder uses, in the order of the data.
+PACKAGES = ("paradesc", "paradesc_blender")
+PACKAGE = {
     "bridge": set(),
     "core": {"bridge"},
     "files": {"bridge", "core"},
     "numpy_api": {"bridge", "core", "files"},
-    "settings": {"bridge", "core", "files"},
-    "scene": {"bridge", "core", "files", "settings"},
-    "bake": {"bridge", "core", "files", "settings", "scene"},
-    "animation": {"bridge", "core", "files", "settings", "scene", "bake"},
-    "show": {"bridge", "core", "files", "settings", "scene", "bake"},
-    "ui": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
-    "commands": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
+    "commands": {"bridge", "core", "files"},
 }
-WITHOUT_BLENDER = ("bridge", "core", "files", "numpy_api")
+BASE = {"bridge", "core", "files"}
+ADDED = {
+    "settings": BASE,
+    "scene": {*BASE, "settings"},
+    "bake": {*BASE, "settings", "scene"},
+    "animation": {*BASE, "settings", "scene", "bake"},
+    "show": {*BASE, "settings", "scene", "bake"},
+    "ui": {*BASE, "settings", "scene", "bake", "animation", "show"},
+}
+USES = PACKAGE | ADDED
 BLENDER = {"bgl", "blf", "bl_math", "bl_operators", "bmesh", "bpy", "bpy_extras", "freestyle", "gpu", "mathutils"}
 BLENDER |= {"addon_utils", "aud", "bl_ui", "idprop", "imbuf", "nodeitems_utils", "rna_prop_ui"}
 MODULES = {
-    ".".join(path.relative_to(PACKAGE).with_suffix("").parts): path
-    for path in PACKAGE.rglob("*.py")
-    if path.relative_to(PACKAGE).parts[0] != "lib"
+    ".".join(path.relative_to(ADDON).with_suffix("").parts): path
+    for package in PACKAGES
+    for path in (ADDON / package).rglob("*.py")
+    if path.relative_to(ADDON).parts[1] != "lib"
 }
+ROOTS = tuple(f"{package}.__init__" for package in PACKAGES)
 
 
 def folder_of(name):
-    """The folder of a module; "" for those at the root."""
-    return name.split(".")[0] if "." in name else ""
+    """The folder of a module; the package for those at its root."""
+    package, *parts = name.split(".")
+    return parts[0] if len(parts) > 1 else package
+
+
+def is_package(name):
+    """Whether a module belongs to the Python package, not to the add-on."""
+    return name.startswith("paradesc.")
 
 
 def reached(name, node):
-    """The add-on's modules that an import statement in this module reaches."""
-    if isinstance(node, ast.Import) or node.level == 0:
-        return []
-    base = name.split(".")[: -node.level]
+    """Our modules that an import statement in this module reaches."""
+    if isinstance(node, ast.Import):
+        return [f"{alias.name}.__init__" for alias in node.names if alias.name in PACKAGES]
+    base = name.split(".")[: -node.level] if node.level else []
     parts = base + (node.module.split(".") if node.module else [])
+    if parts[0] not in PACKAGES:
+        return []
     found = []
     for alias in node.names:
         named = [*parts, alias.name]
@@ -66,32 +84,44 @@ def statements(name):
 
 
 def outside(node):
-    """The first words of the modules that an import names, if they are not the add-on's."""
+    """The first words of the modules that an import names, if they are not ours."""
     if isinstance(node, ast.Import):
         return {alias.name.split(".")[0] for alias in node.names}
     return {node.module.split(".")[0]} if node.level == 0 else set()
 
 
 def test_the_folders_are_those_that_are_named_here():
-    assert {folder_of(name) for name in MODULES} - {""} == set(USES)
-    assert len([name for name in MODULES if not folder_of(name)]) <= 6
+    for package, folders in zip(PACKAGES, (PACKAGE, ADDED), strict=True):
+        found = {folder_of(name) for name in MODULES if name.startswith(f"{package}.")}
+        assert found - {package} == set(folders)
+    assert len([name for name in MODULES if folder_of(name) in PACKAGES]) <= 9
 
 
-@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name)))
+@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) not in PACKAGES))
 def test_modules_use_what_comes_before_them_and_nothing_else(name):
     own = folder_of(name)
     for node, _ in statements(name):
         for other in reached(name, node):
-            if other == "__init__":  # the package itself, whose version is all that may be asked for
+            if other in ROOTS:  # the package itself, whose version is all that may be asked for
                 assert [alias.name for alias in node.names] == ["__version__"], ast.unparse(node)
-            else:
+            elif not is_typing(name, node):
                 assert folder_of(other) in USES[own] | {own}, f"{name}: {ast.unparse(node)}"
+
+
+def is_typing(name, node):
+    """Whether an import is one for type checkers alone."""
+    tree = ast.parse(MODULES[name].read_text())
+    blocks = [item for item in tree.body if isinstance(item, ast.If) and ast.unparse(item.test) == "TYPE_CHECKING"]
+    return any(ast.unparse(node) == ast.unparse(inner) for block in blocks for inner in block.body)
 
 
 def test_no_import_runs_in_a_circle_wherever_it_stands():
     graph = {
         name: {
-            other for node, _ in statements(name) for other in reached(name, node) if other not in (name, "__init__")
+            other
+            for node, _ in statements(name)
+            for other in reached(name, node)
+            if other not in (name, *ROOTS) and not is_typing(name, node)
         }
         for name in MODULES
     }
@@ -103,31 +133,34 @@ def test_no_import_runs_in_a_circle_wherever_it_stands():
     assert list(TopologicalSorter({own: used - {own} for own, used in folders.items()}).static_order())
 
 
-@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) in WITHOUT_BLENDER))
-def test_what_is_no_part_of_blender_never_imports_it(name):
-    assert not [ast.unparse(node) for node, _ in statements(name) if outside(node) & BLENDER]
+def test_the_package_names_the_addon_in_no_import_and_never_blenders_modules():
+    for name in filter(is_package, MODULES):
+        for node, _ in statements(name):
+            assert not outside(node) & BLENDER, f"{name}: {ast.unparse(node)}"
+            if not is_typing(name, node):
+                assert all(map(is_package, reached(name, node))), f"{name}: {ast.unparse(node)}"
 
 
-@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) in ("commands", "")))
-def test_commands_import_what_needs_blender_where_it_is_used_only(name):
-    free = {*WITHOUT_BLENDER, "commands", ""}
-    for node, at_once in statements(name):
-        if at_once:
-            assert not outside(node) & BLENDER, ast.unparse(node)
-            assert {folder_of(other) for other in reached(name, node)} <= free, ast.unparse(node)
-
-
-@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) not in ("commands", "")))
+@pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) not in (*PACKAGES, "commands", "numpy_api")))
 def test_imports_of_our_own_hide_in_no_function(name):
     assert not [ast.unparse(node) for node, at_once in statements(name) if not at_once and reached(name, node)]
 
 
+def test_importing_the_package_imports_few_of_its_modules():
+    code = f"import sys; sys.path.insert(0, {str(ADDON)!r}); import paradesc; paradesc.compute\n"
+    code += "print(len([name for name in sys.modules if name.partition('.')[0] == 'paradesc']))"
+    path = {**os.environ, "PYTHONPATH": str(Path(np.__file__).parents[1])}
+    done = subprocess.run([sys.executable, "-c", code], env=path, capture_output=True, text=True, check=True)
+    assert int(done.stdout) <= 15
+
+
 @pytest.mark.parametrize("folder", sorted(USES))
 def test_every_folder_says_what_it_is_for(folder):
-    lines = (PACKAGE / folder / "README.md").read_text().splitlines()
+    place = ADDON / PACKAGES[folder in ADDED] / folder
+    lines = (place / "README.md").read_text().splitlines()
     assert lines[0] == f"# {folder}"
     assert 3 < len(lines) < 12
-    assert ast.get_docstring(ast.parse((PACKAGE / folder / "__init__.py").read_text()))
+    assert ast.get_docstring(ast.parse((place / "__init__.py").read_text()))
 
 
 def test_files_and_functions_stay_short():

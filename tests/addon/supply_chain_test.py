@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from paradesc.bridge import library
-from shapes import ADDON, ROOT, cube_sphere, write_obj
+from shapes import ADDON, PACKAGES, ROOT, cube_sphere, write_obj
 
-SOURCES = sorted((ADDON / "paradesc").rglob("*.py"))
+SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 NETWORK = {"asyncio", "ftplib", "http", "imaplib", "nntplib", "poplib", "requests", "smtplib", "socket", "socketserver"}
 NETWORK |= {"ssl", "telnetlib", "urllib", "urllib3", "webbrowser", "websockets", "xmlrpc"}
 # Other programs, and files that run code when they are read.
@@ -44,10 +44,10 @@ sys.dont_write_bytecode = True
 import bpy
 import numpy
 from scene import add_sphere, small_bake, empty_scene
-import paradesc
+import paradesc_blender
 sys.addaudithook(watch)
 empty_scene()
-paradesc.register()
+paradesc_blender.register()
 target = add_sphere(steps=4)
 settings = small_bake()
 settings.descriptors = {{"mean_curvature", "harris"}}
@@ -57,7 +57,7 @@ assert bpy.ops.paradesc.bake() == {{"FINISHED"}}
 bpy.context.scene.paradesc_animation.cache_folder = {cache!r}
 bpy.context.scene.frame_end = 2
 assert bpy.ops.paradesc.bake_frames() == {{"FINISHED"}}
-paradesc.unregister()
+paradesc_blender.unregister()
 libraries = sorted({{line.split(maxsplit=5)[-1].strip() for line in open("/proc/self/maps") if ".so" in line}})
 content = {{"written": written[:], "loaded": loaded, "other": other, "libraries": libraries}}
 open({report!r}, "w").write(json.dumps(content))
@@ -73,7 +73,7 @@ def imported(path):
             yield node.module.partition(".")[0]
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ADDON / "paradesc")))
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ADDON)))
 def test_no_module_reaches_the_network_or_runs_code_of_others(path):
     allowed = {"multiprocessing"} if path == ADDON / "paradesc" / SPREADS else set()
     assert not set(imported(path)) & (NETWORK | CODE) - allowed

@@ -12,7 +12,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.files import map_images  # noqa: E402
-from paradesc.scene import mesh_io, surface_maps  # noqa: E402
+from paradesc_blender.scene import mesh_io, surface_maps  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, measure_curvature  # noqa: E402
 
 UNITS = {"mean_curvature": RADIUS, "local_bending_energy": RADIUS**2}
@@ -393,9 +393,9 @@ def test_no_material_and_several_are_refused(target):
 
 
 def test_the_operator_takes_the_materials_maps(target):
-    import paradesc
+    import paradesc_blender
 
-    paradesc.register()
+    paradesc_blender.register()
     measure_curvature()
     try:
         settings = bpy.context.scene.paradesc
@@ -405,7 +405,7 @@ def test_the_operator_takes_the_materials_maps(target):
         assert bpy.ops.paradesc.bake() == {"FINISHED"}
         np.testing.assert_allclose(attribute_values(target.data, "mean_curvature"), 1 / (RADIUS + 1), rtol=0.03)
     finally:
-        paradesc.unregister()
+        paradesc_blender.unregister()
 
 
 @pytest.mark.slow

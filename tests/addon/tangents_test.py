@@ -84,7 +84,7 @@ def object_of(name, triangulated, smooth, mirrored=False):
 @pytest.mark.parametrize("name", ["uv_sphere", "torus", "cube", "monkey", "ico_sphere"])
 def test_tangents_are_those_of_blender(name, smooth, mirrored, triangulated):
     pytest.importorskip("bpy", reason="needs Blender")
-    from paradesc.scene import mesh_io, surface_maps
+    from paradesc_blender.scene import mesh_io, surface_maps
 
     target = object_of(name, triangulated, smooth, mirrored)
     wanted, normals = surface_maps.read_tangent_space(target)

@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import bmesh  # noqa: E402
 
-from paradesc.scene import mesh_io, record, targets  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
 
 MODES = ["EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"]

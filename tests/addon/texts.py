@@ -6,13 +6,12 @@ import re
 
 import bpy
 
-import paradesc
+import paradesc_blender
 from paradesc import bridge
-from paradesc.scene import targets
-from paradesc.settings import research
-from shapes import ADDON
+from paradesc_blender.scene import targets
+from paradesc_blender.settings import research
+from shapes import PACKAGES
 
-PACKAGE = ADDON / "paradesc"
 # The folders of what people meet in Blender.
 FOLDERS = ("core", "settings", "scene", "bake", "animation", "show", "ui")
 # English stays what is said on the command line and in Python alone, or before the catalogs are there; so do sentences
@@ -47,9 +46,14 @@ LABEL = re.compile("[A-Z][a-z]+( ([A-Z][a-z]+|of|to|with))*")
 LABELLED = ("settings", "bake", "animation", "ui")
 
 
+def folder_at(name):
+    """A folder of either package."""
+    return next(package / name for package in PACKAGES if (package / name).is_dir())
+
+
 def classes():
     """Every class that the add-on registers, its settings included."""
-    found = [cls for module in paradesc.modules() for cls in module.classes]
+    found = [cls for module in paradesc_blender.modules() for cls in module.classes]
     return [*found, bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")]
 
 
@@ -109,7 +113,7 @@ def of_code():
     """The texts that Python puts together or hands on, with the module; of an f-string, with numbered places."""
     seen = {text for _, _, field in fields() for text in (field.name, *descriptions(field))}
     for folder in FOLDERS:
-        for path in sorted((PACKAGE / folder).glob("*.py")):
+        for path in sorted(folder_at(folder).glob("*.py")):
             if f"{folder}/{path.stem}" not in ENGLISH:
                 tree = ast.parse(path.read_text(encoding="utf-8"))
                 yield from ((text, f"{folder}/{path.name}") for text in literals(tree, folder) if text not in seen)

@@ -7,8 +7,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import texts  # noqa: E402
-from paradesc.settings import translation  # noqa: E402
-from paradesc.ui import drawing  # noqa: E402
+
+from paradesc_blender.settings import translation  # noqa: E402
+from paradesc_blender.ui import drawing  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 

@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from image_operator_test import pixels_of, pngs_in  # noqa: E402
 from maps_test import decode16  # noqa: E402
 
-from paradesc.bake import image_batch  # noqa: E402
+from paradesc_blender.bake import image_batch  # noqa: E402
 from scene import add_sphere, cancel_at, saved_scene, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

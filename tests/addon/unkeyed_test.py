@@ -7,7 +7,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import deforming  # noqa: E402
-from paradesc.animation import painting  # noqa: E402
+from paradesc_blender.animation import painting  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 # The depsgraph of a render, which is not that of its view layer.

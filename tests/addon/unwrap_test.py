@@ -8,12 +8,12 @@ from shapes import cube_sphere
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
+import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.core.uv_faults import uv_areas  # noqa: E402
-from paradesc.scene import mesh_io, record, unwrap  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, unwrap  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, measure_curvature  # noqa: E402
 
 OPTIONS = bridge.Options(radius=0.08, samples=64, buffer_size=512)
@@ -384,7 +384,7 @@ def test_linked_mesh_is_measured_without_storing(bare, tmp_path):
 
 
 def test_operator_bakes_without_a_uv_map(bare):
-    paradesc.register()
+    paradesc_blender.register()
     measure_curvature()
     try:
         settings = bpy.context.scene.paradesc
@@ -396,7 +396,7 @@ def test_operator_bakes_without_a_uv_map(bare):
         assert "unwrapped a copy" in record.read(bare.data)["warnings"]
         assert data_blocks() == blocks
     finally:
-        paradesc.unregister()
+        paradesc_blender.unregister()
 
 
 @pytest.mark.slow

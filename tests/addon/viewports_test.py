@@ -6,7 +6,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene import node_groups, record, viewports  # noqa: E402
+from paradesc_blender.scene import node_groups, record, viewports  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 

@@ -7,8 +7,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from wear_test import PAINT, SIDE, add_wear, shader_of, target, user_material, wear_nodes  # noqa: E402, F401
 
-from paradesc.settings import asset_library  # noqa: E402
-from paradesc.show import assets, tuned, wear  # noqa: E402
+from paradesc_blender.settings import asset_library  # noqa: E402
+from paradesc_blender.show import assets, tuned, wear  # noqa: E402
 from shapes import ADDON  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -6,7 +6,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from wear_test import add_wear, everything_in, target, user_material, wear_nodes  # noqa: E402, F401
 
-from paradesc.show import wear  # noqa: E402
+from paradesc_blender.show import wear  # noqa: E402
 from scene import add_sphere, select  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -5,8 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene.node_groups import input_of  # noqa: E402
-from paradesc.show import assets, passing, wear  # noqa: E402
+from paradesc_blender.scene.node_groups import input_of  # noqa: E402
+from paradesc_blender.show import assets, passing, wear  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, select  # noqa: E402
 from writers import node_tree  # noqa: E402
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-import paradesc
-from paradesc.bake import operators
+import paradesc_blender
+from paradesc_blender.bake import operators
 from scene import measure_curvature
 
-sys.path.append(str(Path(paradesc.__file__).parents[1] / "manual" / "pictures"))
+sys.path.append(str(Path(paradesc_blender.__file__).parents[1] / "manual" / "pictures"))
 import screen
 
 PATIENCE = 120.0  # seconds that one step may take
@@ -62,7 +62,7 @@ def chosen_brush() -> bool:
 def prepare() -> None:
     """Makes a scene without objects and without a splash screen, and enables the add-on."""
     bpy.context.preferences.view.show_splash = False
-    paradesc.register()
+    paradesc_blender.register()
     measure_curvature()
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)

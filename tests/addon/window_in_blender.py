@@ -13,9 +13,9 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-from paradesc.bake import operators  # noqa: E402
 from paradesc.files import png  # noqa: E402
-from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
+from paradesc_blender.bake import operators  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, sculpt_masks  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 from window import (  # noqa: E402
     baking,

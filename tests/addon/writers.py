@@ -7,9 +7,9 @@ from typing import Any
 
 import bpy
 import numpy as np
-
 from mesh_io_test import made_up_results
-from paradesc.scene import carrying, mesh_io, sculpt_masks
+
+from paradesc_blender.scene import carrying, mesh_io, sculpt_masks
 from scene import add_sphere, select, small_bake
 
 NAME = "mean_curvature"

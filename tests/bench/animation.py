@@ -23,9 +23,9 @@ import bpy  # noqa: E402
 
 from animated import bent_cylinder  # noqa: E402
 from paradesc import bridge  # noqa: E402
-from paradesc.animation import frames  # noqa: E402
 from paradesc.commands.animate import STAGES  # noqa: E402
 from paradesc.core import job  # noqa: E402
+from paradesc_blender.animation import frames  # noqa: E402
 
 
 def parse() -> argparse.Namespace:

@@ -20,7 +20,7 @@ import bpy  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import library  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc_blender.scene import mesh_io  # noqa: E402
 
 NAME = "mean_curvature"
 REPEATS = 7

@@ -14,10 +14,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-import paradesc
-from paradesc.animation import handlers
+import paradesc_blender
 from paradesc.core import job
-from paradesc.scene import mesh_io
+from paradesc_blender.animation import handlers
+from paradesc_blender.scene import mesh_io
 
 NAME = "mean_curvature"
 LENGTH, RADIUS, BUMP = 8.0, 1.0, 0.06
@@ -153,7 +153,7 @@ def main() -> int:
     words = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else None)
 
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    paradesc.register()
+    paradesc_blender.register()
     target = bumpy_cylinder(words.rings, words.sides)
     bend(target)
     settings = bpy.context.scene.paradesc
@@ -174,7 +174,7 @@ def main() -> int:
         about = {"blender": bpy.app.version_string, "python": platform.python_version(), "bare_frame": round(bare, 2)}
         about["device"] = handlers.session_at(target).results.device
         words.json.write_text(json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1) + "\n")
-    paradesc.unregister()
+    paradesc_blender.unregister()
     return 0
 
 

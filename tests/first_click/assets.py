@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-import paradesc
+import paradesc_blender
 
 ROOT = Path(__file__).resolve().parents[2]
 MESHES = ROOT.parent / "shared" / "meshes"
@@ -37,7 +37,7 @@ class Asset:
         """A new file with the asset in it, chosen as Blender leaves it after the import, and untouched settings."""
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         if not hasattr(bpy.types.Scene, "paradesc"):
-            paradesc.register()
+            paradesc_blender.register()
         if self.file:
             importer(self.file)(filepath=str(MESHES / self.file))
         else:

@@ -7,8 +7,8 @@ import numpy as np
 from measures import Measures, Points, Surface, at_corners, evenly, flat_faces, measured
 
 from paradesc.core import color_maps
-from paradesc.scene import image_preview, image_results, large_faces
-from paradesc.show import recolor
+from paradesc_blender.scene import image_preview, image_results, large_faces
+from paradesc_blender.show import recolor
 
 # Points at which an image is looked at.
 IN_IMAGE = 200_000

@@ -33,9 +33,9 @@ from paradesc.files import cache
 try:
     import bpy
 
-    from paradesc.scene import record, unwrap
-    from paradesc.show import channels, recolor
-    from paradesc.ui import report_panel, result
+    from paradesc_blender.scene import record, unwrap
+    from paradesc_blender.show import channels, recolor
+    from paradesc_blender.ui import report_panel, result
 except ImportError:
     bpy = None
 

@@ -3,6 +3,7 @@
 tests/release.sh runs this; it builds them and names their folder in PARADESC_RELEASE.
 """
 
+import io
 import math
 import os
 import re
@@ -196,8 +197,10 @@ def test_zips_hold_the_libraries_that_were_tested():
     for platform, name in LIBRARIES.items():
         extension = next(path for key, path in zips.items() if key.endswith(f"-{platform}.zip"))
         archive = zipfile.ZipFile(extension)
-        assert [entry for entry in archive.namelist() if entry.startswith("lib/")] == [f"lib/{name}"]
-        assert archive.read(f"lib/{name}") == path_of(platform).read_bytes()
+        (wheel,) = (entry for entry in archive.namelist() if entry.startswith("wheels/"))
+        with zipfile.ZipFile(io.BytesIO(archive.read(wheel))) as package:
+            assert [entry for entry in package.namelist() if "/lib/" in entry] == [f"paradesc/lib/{name}"]
+            assert package.read(f"paradesc/lib/{name}") == path_of(platform).read_bytes()
         assert f'platforms = ["{platform}"]' in archive.read("blender_manifest.toml").decode()
     legacy = zipfile.ZipFile(next(path for key, path in zips.items() if key.endswith("-legacy.zip")))
     found = [Path(entry) for entry in legacy.namelist() if "/lib/l" in entry or "/lib/p" in entry]

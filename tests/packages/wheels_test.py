@@ -40,13 +40,13 @@ TARGETS = {
 SOURCES = {
     path.relative_to(ROOT / "addon").as_posix(): path
     for path in (ROOT / "addon" / "paradesc").rglob("*")
-    if path.is_file() and not {"lib", "__pycache__"} & set(path.parts) and path.name != "blender_manifest.toml"
+    if path.is_file() and not {"lib", "__pycache__"} & set(path.parts)
 }
 
 
 def version():
     """The version of the package's source."""
-    return ".".join(re.search(r'"version": \((.+)\)', SOURCES["paradesc/__init__.py"].read_text())[1].split(", "))
+    return re.search(r'^__version__ = "(.+)"', SOURCES["paradesc/__init__.py"].read_text(), re.M)[1]
 
 
 @pytest.fixture(params=PLATFORMS)

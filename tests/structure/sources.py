@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 KINDS = {
     "C++": ("native/src", (".cpp", ".h", ".c"), "text.cpp"),
     "GLSL": ("shaders", (".glsl", ".h"), "text.c"),
-    "Python": ("addon/paradesc", (".py",), None),
+    "Python": ("addon", (".py",), None),
 }
 
 

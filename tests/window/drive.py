@@ -57,7 +57,7 @@ def install(folder: Path) -> None:
     """Installs the zip once, and enables the add-on."""
     if not (folder / "scripts" / "addons" / "paradesc").is_dir():
         bpy.ops.preferences.addon_install(filepath=str(folder / "paradesc.zip"))
-    bpy.ops.preferences.addon_enable(module="paradesc")
+    bpy.ops.preferences.addon_enable(module="paradesc_blender")
 
 
 def steps_of(run: Run) -> Iterator[None]:

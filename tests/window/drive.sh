@@ -23,7 +23,7 @@ command -v Xvfb >/dev/null && "${within[@]}" sh -c 'command -v blender && comman
 
 rm -rf "$folder/scripts" # of another version
 mkdir -p "$folder/config" "$folder/scripts" "$folder/home"
-python3 - "$root" "$folder/stage/paradesc" "$folder/paradesc.zip" <<'PACK' || exit 1
+python3 - "$root" "$folder/stage" "$folder/paradesc.zip" <<'PACK' || exit 1
 import shutil
 import sys
 from pathlib import Path
@@ -34,7 +34,7 @@ import package
 
 shutil.rmtree(stage, ignore_errors=True)
 stage.parent.mkdir(exist_ok=True)
-package.stage(stage, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))}, "")
+package.stage_legacy(stage, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))})
 target.unlink(missing_ok=True)
 package.write_zip(stage, target)
 PACK

@@ -8,7 +8,7 @@ import numpy as np
 import person
 from scenes import as_found, clicked, empty, monkey
 
-from paradesc.scene import arrays
+from paradesc_blender.scene import arrays
 
 if TYPE_CHECKING:
     from drive import Run

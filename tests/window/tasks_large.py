@@ -10,7 +10,7 @@ import person
 from scenes import as_found, baked, idle, imported, monkey
 from tasks_live import has_brush, stroke
 
-from paradesc.scene import arrays
+from paradesc_blender.scene import arrays
 
 if TYPE_CHECKING:
     from drive import Run
@@ -52,7 +52,7 @@ def million(run: "Run") -> Iterator[None]:
 
 def progress(run: "Run") -> Iterator[None]:
     """Looks at the panel while a bake runs, at the begin and whenever another fifth is done, until three are."""
-    from paradesc.bake import modal
+    from paradesc_blender.bake import modal
 
     said, wanted = [], 0.0
     while not idle() and wanted < FIFTHS / 5:

@@ -8,7 +8,7 @@ import numpy as np
 import person
 from scenes import as_found, baked, clicked, idle, monkey, shading, undo_step
 
-from paradesc.scene import arrays, mesh_io, sculpt_masks
+from paradesc_blender.scene import arrays, mesh_io, sculpt_masks
 
 if TYPE_CHECKING:
     from drive import Run

@@ -9,7 +9,7 @@ import numpy as np
 import person
 from scenes import as_found, clicked, empty, framed, imported, monkey
 
-from paradesc.scene import arrays
+from paradesc_blender.scene import arrays
 
 if TYPE_CHECKING:
     from drive import Run

@@ -18,7 +18,7 @@ def without_numpy(run: "Run") -> Iterator[None]:
         del sys.modules[name]
     kept, sys.modules["numpy"] = sys.modules["numpy"], None
     try:
-        bpy.ops.preferences.addon_enable(module="paradesc")
+        bpy.ops.preferences.addon_enable(module="paradesc_blender")
     finally:
         sys.modules["numpy"] = kept
     for _ in range(20):  # it pops up once Blender is at rest

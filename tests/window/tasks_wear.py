@@ -41,10 +41,10 @@ def wear(run: "Run") -> Iterator[None]:
 
 def looks(run: "Run") -> Iterator[None]:
     """The three looks."""
-    import paradesc
+    import paradesc_blender
 
     names = [item.identifier for item in bpy.ops.paradesc.add_wear.get_rna_type().properties["look"].enum_items]
-    run.saw("item 6", f"looks of Add Wear: {names}; files {sorted(path.name for path in person.Path(paradesc.__file__).parent.rglob('*.blend'))}", len(names) >= 3)
+    run.saw("item 6", f"looks of Add Wear: {names}; files {sorted(path.name for path in person.Path(paradesc_blender.__file__).parent.rglob('*.blend'))}", len(names) >= 3)
     for name in names:
         person.in_view(bpy.ops.paradesc.add_wear, "INVOKE_DEFAULT", look=name)
         yield from person.drawn(3)

@@ -12,9 +12,9 @@ import bpy
 ZIP = os.environ.get("PARADESC_ZIP")
 if ZIP:
     bpy.ops.preferences.addon_install(filepath=ZIP)
-    bpy.ops.preferences.addon_enable(module="paradesc")
+    bpy.ops.preferences.addon_enable(module="paradesc_blender")
 else:
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-    import paradesc
+    import paradesc_blender
 
-    paradesc.register()
+    paradesc_blender.register()

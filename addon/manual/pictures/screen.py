@@ -45,9 +45,9 @@ def pixels_of_root() -> np.ndarray:
 
 def open_panels() -> None:
     """Opens the add-on's sub-panels, which are closed for those who have just installed it."""
-    import paradesc
+    import paradesc_blender
 
-    for module in paradesc.modules():
+    for module in paradesc_blender.modules():
         for cls in module.classes:
             if issubclass(cls, bpy.types.Panel) and hasattr(cls, "bl_parent_id"):
                 bpy.utils.unregister_class(cls)

@@ -12,7 +12,7 @@ from studio import View
 from subjects import models
 
 from paradesc import bridge
-from paradesc.settings.presets import PRESETS
+from paradesc_blender.settings.presets import PRESETS
 
 MASKS = {"cavity": "cavity", "edge_wear": "convexity", "openness": "ambient_openness", "curvature": "mean_curvature"}
 LABELS = {"cavity": "Cavity", "edge_wear": "Edge Wear", "openness": "Openness", "curvature": "Curvature"}

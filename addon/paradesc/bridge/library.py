@@ -1,10 +1,8 @@
 """Finds, loads and checks libparadesc in the package's own lib folder, and reads its descriptor registry."""
 
 import ctypes
-import hashlib
 import platform
 import sys
-import tempfile
 from ctypes import byref, sizeof
 from dataclasses import dataclass
 from functools import lru_cache
@@ -177,7 +175,6 @@ def open_library(path: Path) -> ctypes.CDLL:
     if not path.is_file():
         raise ParadescError(abi.STATUS_UNSUPPORTED, absent_sentence(path))
     try:
-        path = unlocked(path)
         for name in COMPANION_NAMES:
             if (path.parent / name).is_file():
                 ctypes.CDLL(str(path.parent / name), mode=ctypes.RTLD_LOCAL)
@@ -206,26 +203,6 @@ def offer() -> str:
         "releases are for Linux, Windows and macOS on x86-64 and ARM64 (for Linux on ARM64 a wheel alone), and "
         f"this is {platform.system()} on {platform.machine()}"
     )
-
-
-def unlocked(path: Path) -> Path:
-    """The file to load: on Windows a copy, as a loaded file is locked and the add-on has to be updated and removed."""
-    if sys.platform != "win32":
-        return path
-    content = path.read_bytes()
-    digest = hashlib.sha256(content).hexdigest()[:16]
-    copy = Path(tempfile.gettempdir()) / f"paradesc-{digest}" / path.name
-    if not copy.is_file():
-        copy.parent.mkdir(exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=copy.parent, delete=False) as part:
-            part.write(content)
-        try:
-            Path(part.name).replace(copy)  # closed before, or Windows refuses
-        except OSError:
-            Path(part.name).unlink()
-            if not copy.is_file():  # else another Blender has just made it and uses it
-                raise
-    return copy
 
 
 def check_version(library: ctypes.CDLL, path: Path) -> None:

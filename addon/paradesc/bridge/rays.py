@@ -7,9 +7,8 @@ import numpy as np
 
 from . import abi
 from .arrays import address
-from .interrupts import Interrupts
 from .library import check, load_library, new_struct
-from .session import ProgressFunction, progress_callback
+from .session import Interrupts, ProgressFunction, progress_callback
 from .uv_images import shaped
 
 

@@ -1,16 +1,17 @@
 """Contexts, meshes and fields of libparadesc as Python objects: numpy arrays in and out, errors as ParadescError."""
 
 import ctypes
+import signal
+import threading
 import weakref
 from collections.abc import Callable, Sequence
 from ctypes import byref
-from types import TracebackType
+from types import FrameType, TracebackType
 
 import numpy as np
 
 from . import abi
 from .arrays import MeshArrays, SurfaceMaps, address, contiguous, image, native_mesh, near_positions
-from .interrupts import Interrupts
 from .library import InputError, check, components, load_library, new_struct, text
 from .options import BACKENDS, Options, choice, int32, native_options
 
@@ -18,6 +19,8 @@ from .options import BACKENDS, Options, choice, int32, native_options
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
+# Ctrl-C, and what else asks a process to end.
+NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Field:
@@ -301,3 +304,37 @@ def progress_callback(progress: ProgressFunction | None, caught: list[BaseExcept
 def as_dict(struct: ctypes.Structure) -> dict[str, float | int]:
     """A report struct by member name, without its size."""
     return {name: getattr(struct, name) for name, *_ in struct._fields_ if name != "struct_size"}
+
+
+class Interrupts:
+    """Collects what handlers of Ctrl-C and SIGTERM raise during a native call; does nothing on other threads than the main one.
+
+    Python runs the handler of a signal where the next Python function begins. During a native call that is the progress
+    callback, before its first line: an exception from there would end in C, where nobody sees it.
+
+    Handlers still run at once, and one that raises nothing stops nothing. Handlers in C are left alone.
+    """
+
+    def __init__(self, caught: list[BaseException]) -> None:
+        """Takes the list to which errors are added; the caller of the native function then raises the first."""
+        self._caught = caught
+        self._former: dict[int, Callable[[int, FrameType | None], object]] = {}
+
+    def __enter__(self) -> None:
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number in NUMBERS:
+            former = signal.getsignal(number)
+            if callable(former):
+                self._former[number] = former
+                signal.signal(number, self._keep)
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        for number, former in self._former.items():
+            signal.signal(number, former)
+
+    def _keep(self, number: int, frame: FrameType | None) -> None:
+        try:
+            self._former[number](number, frame)
+        except BaseException as error:  # noqa: BLE001 (raised again once the call has ended)
+            self._caught.append(error)

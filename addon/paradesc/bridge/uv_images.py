@@ -7,10 +7,9 @@ import numpy as np
 
 from . import abi
 from .arrays import address
-from .interrupts import Interrupts
 from .library import ParadescError, check, load_library, new_struct
 from .options import int32
-from .session import ProgressFunction, progress_callback
+from .session import Interrupts, ProgressFunction, progress_callback
 
 
 @dataclass(frozen=True)

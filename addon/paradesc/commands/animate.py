@@ -6,11 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..bridge import ProgressFunction
 from ..core import job, legend
-from ..core.standard_streams import quiet
 from ..files import cache
 from ..files.frame_baking import Baker, Done, FrameRequest
 from ..files.results import make_folder
@@ -24,14 +22,10 @@ from .common import (
     check_outputs,
     print_notes,
 )
-from .file_reading import map_sources
 from .look_options import fixed_range
-from .opening import open_objects
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-
-if TYPE_CHECKING:
-    import bpy
+from .sources import Target, source_of
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
@@ -106,16 +100,20 @@ class Bakes:
 
 def scene_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
     """The objects of Blender's scene."""
-    opened = open_objects(arguments)
+    source = source_of(arguments)
+    notes = source.open()
+    opened = source.picked()
     settings = opened_settings(arguments)
-    notes = opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
-    wanted = chosen or scene_frames()
+    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
+    wanted = chosen or source.frame_range()
 
-    def bake(target: "bpy.types.Object", folder: Path, progress: ProgressFunction) -> dict[str, object]:
-        return bake_object(target, settings, arguments, folder, wanted, progress)
+    def bake(target: Target, folder: Path, progress: ProgressFunction) -> dict[str, object]:
+        request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
+        with source.frame_baker(target, request) as baker:
+            return report_of(baker, wanted, bake_frames(baker, wanted, progress))
 
     objects = [(target.name, partial(bake, target)) for target in opened.objects]
-    return Bakes(settings, wanted, cache_folder(arguments), objects, notes)
+    return Bakes(settings, wanted, source.cache_folder(), objects, notes)
 
 
 def file_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
@@ -133,33 +131,6 @@ def file_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
 
     objects = [(mesh.name, partial(bake, mesh)) for mesh in meshes]
     return Bakes(settings, wanted, animate_files.cache_folder(arguments), objects, notes)
-
-
-def bake_object(
-    target: "bpy.types.Object",
-    settings: job.Settings,
-    arguments: argparse.Namespace,
-    folder: Path,
-    wanted: Sequence[int],
-    progress: ProgressFunction,
-) -> dict[str, object]:
-    """Bakes one object's frames; returns its part of the report."""
-    import bpy
-
-    from ..animation import frames
-
-    maps = map_sources(arguments)
-    source = frames.source_of(target, arguments.source)
-    request = FrameRequest(
-        settings, folder, source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
-    )
-    scene = bpy.context.scene
-    with quiet(arguments.verbose):
-        baker = frames.FrameBaker(scene, target, request)
-    with baker:
-        with frames.frame_kept(scene), baker.evaluating():
-            made = bake_frames(baker, wanted, progress)
-        return report_of(baker, wanted, made)
 
 
 def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction) -> list[Done]:
@@ -186,25 +157,6 @@ def parse_frames(text: str | None) -> range | None:
         return None if text is None else cache.parse_frames(text)
     except ValueError as error:
         raise UsageError(str(error)) from error
-
-
-def scene_frames() -> range:
-    """The frames of the open scene."""
-    import bpy
-
-    scene = bpy.context.scene
-    return range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
-
-
-def cache_folder(arguments: argparse.Namespace) -> Path:
-    """The folder that --cache names, or one beside the .blend."""
-    import bpy
-
-    if arguments.cache is not None:
-        return arguments.cache
-    if not bpy.data.filepath:
-        raise UsageError("There is no .blend to keep the frames beside; give --cache FOLDER.")
-    return Path(bpy.data.filepath).parent / cache.DEFAULT_FOLDER
 
 
 def make_writable(folder: Path) -> None:

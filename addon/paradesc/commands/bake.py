@@ -4,7 +4,6 @@ import argparse
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
@@ -24,22 +23,17 @@ from .common import (
     saves_scene,
 )
 from .look_options import add_look_options, look_of
-from .opening import Opened, open_objects
 from .options import (
     add_computation_options,
     add_input,
     add_map_options,
     add_source,
     opened_settings,
-    scene_settings,
     settings_of,
 )
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
 from .preset_options import check_preset, notes_of_preset
-from .reading import Target, mesh_name, read_object, world_matrix
-
-if TYPE_CHECKING:
-    import bpy
+from .sources import Source, Target, scene_source, source_of, world_matrix
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -72,17 +66,18 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     check(arguments)
     started = time.monotonic()
     onto = pairs.is_asked(arguments)
-    opened = pairs.opened_lows(arguments) if onto else open_objects(arguments)
+    source = source_of(arguments)
+    opened = pairs.opened_lows(source, arguments)
     settings = opened_settings(arguments)
     opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
     check_values(arguments, settings)
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
-    baked = bake_onto(opened, settings, arguments) if onto else bake_objects(opened.objects, settings, arguments)
+    baked = (bake_onto if onto else bake_objects)(source, opened.objects, settings, arguments)
     computed = time.monotonic()
     if saves_scene(arguments):
-        write_attributes(opened.objects, baked)
-    files = write_files(arguments, baked)
+        source.write(opened.objects, baked)
+    files = write_files(arguments, baked, source)
     for one in baked:
         print_summary(one)
     print_notes(opened.notes)
@@ -125,6 +120,7 @@ def check(arguments: argparse.Namespace) -> None:
 
 
 def bake_objects(
+    source: Source,
     targets: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
@@ -136,25 +132,24 @@ def bake_objects(
     """
     look = asked_look(arguments)
     if saves_scene(arguments):
-        from ..scene import mesh_io
-
-        for target in targets:
-            mesh_io.check_writable(target)
+        source.check_writable(targets)
     its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original" or onto
     baked: list[results.Baked] = []
     of_mesh: dict[str, results.Baked] = {}
     with Progress(arguments.progress) as progress:
         for index, target in enumerate(targets):
-            known = None if its_own else of_mesh.get(mesh_name(target))
+            known = None if its_own else of_mesh.get(source.mesh_name(target))
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
-                    read = (pairs.read_low if onto else read_object)(target, settings, arguments)
+                    read = pairs.read_low(source, target, settings) if onto else source.read(target, settings)
                     arrays, reading, notes = read.arrays, read.reading, read.notes
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
                         highs = onto[target]
-                        computed, notes = pairs.run_onto(target, read, highs, settings, arguments, tiles, part)
+                        computed, notes = pairs.run_onto(
+                            source, target, read, highs, settings, arguments, tiles, part
+                        )
                     else:
                         buffers = arguments.dump_buffers is not None
                         computed = texel_tiles.run_where_asked(
@@ -167,24 +162,21 @@ def bake_objects(
             notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
             matrix = world_matrix(target)
             baked.append(results.Baked(target.name, computed, arrays, matrix, notes, reading))
-            of_mesh.setdefault(mesh_name(target), baked[-1])
+            of_mesh.setdefault(source.mesh_name(target), baked[-1])
     return baked
 
 
-def bake_onto(opened: Opened, settings: job.Settings, arguments: argparse.Namespace) -> list[results.Baked]:
+def bake_onto(
+    source: Source, targets: list[Target], settings: job.Settings, arguments: argparse.Namespace
+) -> list[results.Baked]:
     """Computes detailed objects for low-poly ones. Those of another file are removed at the end: no output has them."""
-    with pairs.with_highs(opened, arguments) as highs:
-        return bake_objects(opened.objects, settings, arguments, highs)
+    with pairs.with_highs(source, targets, arguments) as highs:
+        return bake_objects(source, targets, settings, arguments, highs)
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
     """The look of the options. Missing ones come from --preset, else from --scene-settings."""
-    look = None
-    if arguments.scene_settings:
-        from ..settings.looks import scene_look
-
-        with scene_settings() as scene:
-            look = scene_look(scene)
+    look = scene_source(arguments).look() if arguments.scene_settings else None
     return look_of(arguments, preset_rules.look_of(arguments.preset_content, look))
 
 
@@ -197,17 +189,6 @@ def named(target: Target, count: int) -> Iterator[None]:
         if count > 1:
             raise bridge.InputError(f'Object "{target.name}": {error.sentence}') from error
         raise
-
-
-def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
-    """Writes the results to the scene; objects that share a mesh get the results of the first one."""
-    from ..scene import delivery
-    from ..scene import targets as groups
-
-    for sharing in groups.by_mesh(targets):
-        one = baked[targets.index(sharing[0])]
-        one.notes += delivery.deliver(sharing[0], one.results, one.reading)
-        one.notes += groups.shared_note(sharing, one.results.settings.space, one.reading.source)
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:

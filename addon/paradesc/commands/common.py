@@ -23,6 +23,9 @@ EXIT_TERMINATED = 143  # SIGTERM
 PROGRESS = ("auto", "lines", "openjd", "off")
 # Lines of --progress lines and openjd are at least this share of the work apart.
 LINE_STEP = 0.05
+# What reaches Blender's scene: an enabled add-on adds its class SceneSource; else this package, where Python finds it, has one.
+BLENDER: list[type] = []
+BLENDER_PART = "paradesc_blender"
 
 
 class UsageError(Exception):
@@ -96,8 +99,17 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
 
 
 def has_blender() -> bool:
-    """Whether Blender's Python module can be imported; this does not import it."""
-    return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
+    """Whether Blender's Python module and the add-on can be imported; this does not import them."""
+    return lacking() is None
+
+
+def lacking() -> tuple[str, str] | None:
+    """Why Blender cannot be used here, and what to do; None if it can."""
+    if "bpy" not in sys.modules and importlib.util.find_spec("bpy") is None:
+        return "Blender's Python module bpy is not installed here", "pip install bpy"
+    if not BLENDER and importlib.util.find_spec(BLENDER_PART) is None:
+        return "Paradesc's add-on for Blender is not here", f"put the folder that holds {BLENDER_PART} on PYTHONPATH"
+    return None
 
 
 def open_file() -> Path | None:

@@ -11,10 +11,9 @@ from .common import (
     check_outputs,
     print_notes,
 )
-from .opening import open_object
 from .options import add_mesh_options, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-from .reading import read_object
+from .sources import source_of
 
 COLUMNS = (
     ("mean_percent_ae", "mean %"),
@@ -50,9 +49,11 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     check_outputs([arguments.json] if arguments.json else [])
     settings_of(arguments)
     check_preset(arguments.preset)
-    target = open_object(arguments)
+    source = source_of(arguments)
+    print_notes(source.open())
+    target = source.one(arguments.object)
     settings = opened_settings(arguments)
-    read = read_object(target, settings, arguments)
+    read = source.read(target, settings)
     read.notes += notes_of_preset(arguments.preset_content, has_colors=False)
     with Progress(arguments.progress) as progress:
         rows, device, reference = compare.compare(read.measured, settings, progress)

@@ -10,11 +10,13 @@ from ..files import map_images, mesh_files
 from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
 from ..files.paths import is_file
-from .common import UsageError, has_blender, saves_scene
+from .common import UsageError, has_blender, lacking, saves_scene
 from .images import paths_of
 
 READERS = ("auto", "blender", "files")
 KNOWN = ", ".join(mesh_files.SUFFIXES)
+# In place of what is lacking, where all is there and cannot be imported.
+BROKEN = "Blender's Python module bpy cannot be imported here", "install it again"
 # Options that concern data only .blend files have, or work that Blender does.
 BY_BLENDER = {
     "scene_settings": "--scene-settings takes the panel's settings from a .blend",
@@ -46,11 +48,11 @@ def missing(arguments: argparse.Namespace) -> Exception:
     """The error where Blender's module is needed to open the input and is not installed."""
     if arguments.input is None:
         return UsageError(f"INPUT is missing; give a file: {KNOWN}.")
-    found, suffix = "Blender's Python module bpy is not installed here", arguments.input.suffix.lower()
+    (found, remedy), suffix = lacking() or BROKEN, arguments.input.suffix.lower()
     if suffix in mesh_files.SUFFIXES:
-        sentence = f"{found}; pip install bpy, or leave --reader blender out."
+        sentence = f"{found}; {remedy}, or leave --reader blender out."
     elif is_file(arguments.input):
-        sentence = f'{found} to open "{arguments.input}"; pip install bpy, or give one of {KNOWN}.'
+        sentence = f'{found} to open "{arguments.input}"; {remedy}, or give one of {KNOWN}.'
     else:
         return InputError(f'There is no file "{arguments.input}".')
     return ParadescError(abi.STATUS_UNSUPPORTED, sentence)
@@ -60,7 +62,8 @@ def refused(what: str) -> Exception:
     """The error for a request that needs Blender."""
     if has_blender():
         return UsageError(f"{what}; choose --reader blender and a file that Blender opens, or leave it out.")
-    sentence = f"{what}, and Blender's Python module bpy is not installed here; pip install bpy, or leave it out."
+    found, remedy = lacking()
+    sentence = f"{what}, and {found}; {remedy}, or leave it out."
     return ParadescError(abi.STATUS_UNSUPPORTED, sentence)
 
 

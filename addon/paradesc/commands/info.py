@@ -1,25 +1,13 @@
 """paradesc info: describes the meshes of a file, what is wrong with them, and which radius and buffer suit them."""
 
 import argparse
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from .. import bridge
 from ..core import advice, uv_faults
-from ..files.mesh_files import FileMesh
-from . import file_reading
 from .common import Parser, add_objects_options, add_output_options, check_outputs, print_notes
-from .opening import open_input
 from .options import add_input
+from .sources import Subject, source_of
 
-if TYPE_CHECKING:
-    import bpy
-
-# The name of the only UV map in a file whose format has no names for UV maps.
-UV_NAME = "UVMap"
 # Counts of the mesh report that limit a bake, with words for people.
 DEFECTS = {
     "degenerate_triangles": "triangles without area",
@@ -47,82 +35,17 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints every mesh object, or those that --object names; returns their descriptions."""
     check_outputs([arguments.json] if arguments.json else [])
-    if file_reading.reads_files(arguments):
-        meshes = file_reading.open_files(arguments)
-        shown = file_reading.chosen(meshes, arguments.object) if arguments.object else meshes
-        objects = [described(subject_of_file(mesh)) for mesh in shown]
-        notes = [note for mesh in shown for note in mesh.notes]
-    else:
-        _, notes = open_input(arguments)
-        from ..scene import scene_io
-
-        named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
-        shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
-        objects = [described(subject_of(item)) for item in shown]
+    source = source_of(arguments)
+    notes = source.open()
+    shown = [source.subject(target) for target in source.described()]
+    notes += [note for subject in shown for note in subject.notes]
+    objects = [described(subject) for subject in shown]
     for row in objects:
-        print_object(row, unwraps=not file_reading.reads_files(arguments))
+        print_object(row, unwraps=source.unwraps)
     if not objects:
         print("There is no mesh object.")
     print_notes(notes)
     return {"objects": objects, "notes": notes}
-
-
-@dataclass
-class Subject:
-    """A mesh to describe: facts that are always reported, and a function that reads the mesh."""
-
-    facts: dict[str, object]
-    vertices: int
-    faces: int
-    uv_name: str | None
-    uvs: np.ndarray | None  # (corner_count, 2) float32 of the active UV map, even an unusable one
-    read: Callable[[], bridge.MeshArrays]  # raises ParadescError if it cannot be read
-
-
-def subject_of(target: "bpy.types.Object") -> Subject:
-    """An object of the scene."""
-    from ..scene import mesh_io, record
-
-    mesh = target.data
-    facts: dict[str, object] = {
-        "object": target.name,
-        "mesh": mesh.name,
-        "renders": not target.hide_render,
-        "linked": mesh.library is not None or mesh.override_library is not None,
-        "scale": [round(float(size), 6) for size in target.matrix_world.to_scale()],
-        "modifiers": [modifier.type for modifier in target.modifiers],
-        "shape_keys": len(mesh.shape_keys.key_blocks) if mesh.shape_keys else 0,
-        "uv_maps": [layer.name for layer in mesh.uv_layers],
-        "baked": record.attributes_of(mesh),
-        "obstacle": "",
-    }
-    uvs, active = mesh_io.read_uvs(mesh), mesh.uv_layers.active
-    return Subject(
-        facts, len(mesh.vertices), len(mesh.polygons), active.name if active else None, uvs,
-        lambda: mesh_io.read_object(target, corner_normals=False, needs_uvs=False),
-    )  # fmt: skip
-
-
-def subject_of_file(mesh: FileMesh) -> Subject:
-    """A mesh of a file, which has only its shape; formats with one UV map do not name it."""
-    uvs = mesh.arrays.corner_uvs
-    facts: dict[str, object] = {
-        "object": mesh.name,
-        "mesh": mesh.name,
-        "renders": True,
-        "linked": False,
-        "scale": [round(float(size), 6) for size in np.linalg.norm(mesh.matrix_world[:3, :3], axis=0)],
-        "modifiers": [],
-        "shape_keys": 0,
-        "uv_maps": [] if uvs is None else [UV_NAME],
-        "baked": [],
-        "obstacle": "",
-    }
-    arrays = mesh.arrays
-    if uv_faults.fault(uvs, arrays.triangle_corners):
-        arrays = replace(arrays, corner_uvs=None)
-    name = None if uvs is None else UV_NAME
-    return Subject(facts, len(arrays.positions), mesh.face_count, name, uvs, lambda: arrays)
 
 
 def described(subject: Subject) -> dict[str, object]:

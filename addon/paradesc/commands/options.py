@@ -2,11 +2,8 @@
 
 import argparse
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from .. import bridge
 from ..core import balance, job, source_kinds
@@ -14,9 +11,7 @@ from ..files import preset_rules
 from .common import PROGRESS, UsageError
 from .file_reading import READERS
 from .preset_options import found_preset
-
-if TYPE_CHECKING:
-    import bpy
+from .sources import scene_source
 
 
 def add_mesh_options(parser: argparse.ArgumentParser) -> None:
@@ -163,53 +158,12 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     What else a preset says is in preset_content of the arguments. --scene-settings also supplies the source, the shape
     key, the cage distance, and whether material maps and the change against rest are measured, unless an option does.
     """
-    base = None
     usual = getattr(arguments, "usual_source", "original")
-    source, shape_key = getattr(arguments, "source", None), arguments.shape_key
-    arguments.source = source or usual
-    if arguments.scene_settings:
-        with scene_settings() as scene:
-            from ..settings import properties
-            from ..settings.animation import frame_source
-
-            group, animation = scene.paradesc, scene.paradesc_animation
-            base = properties.job_settings(group)
-            arguments.source = source or (animation.source if usual == "original" else frame_source(animation))
-            if not getattr(arguments, "relative_to_rest", True):
-                arguments.relative_to_rest = animation.relative_to_rest
-            arguments.shape_key = arguments.shape_key or group.shape_key
-            has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
-            arguments.cage = given_or(arguments, "cage", group.cage)
-            given = getattr(arguments, "material_maps", False)
-            arguments.material_maps = given or (group.material_maps and not has_files)
+    arguments.source, shape_key = getattr(arguments, "source", None), arguments.shape_key
+    base = scene_source(arguments).settings(usual) if arguments.scene_settings else None
+    arguments.source = arguments.source or usual
     if shape_key == "active" and arguments.source not in (source_kinds.ORIGINAL, source_kinds.AUTOMATIC):
         sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
         raise UsageError(f"{sentence}, or measure the source original.")
     arguments.preset_content = found_preset(arguments.preset)
     return settings_of(arguments, preset_rules.settings_of(arguments.preset_content, base))
-
-
-@contextmanager
-def scene_settings() -> "Iterator[bpy.types.Scene]":
-    """The open scene with the panels' settings, which are in the .blend whether or not the add-on is enabled."""
-    import bpy
-
-    from ..settings import animation, leaving, looks, properties
-
-    if hasattr(bpy.types.Scene, "paradesc"):
-        yield bpy.context.scene
-        return
-    groups = (looks.PARADESC_PG_looks, animation.PARADESC_PG_animation)
-    modules = (properties, looks, animation)
-    leaving.clear_at_end(list(groups))
-    for cls in groups:
-        bpy.utils.register_class(cls)
-    for module in modules:
-        module.register()
-    try:
-        yield bpy.context.scene
-    finally:
-        for module in modules:
-            module.unregister()
-        for cls in groups:
-            bpy.utils.unregister_class(cls)

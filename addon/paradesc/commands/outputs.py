@@ -11,6 +11,7 @@ from ..files import maps, neuro_files, results, tile_names, vtk_files
 from ..files.results import Baked, folder_fault, write_whole
 from .common import Progress, UsageError, check_outputs, check_overwriting
 from .images import file_name, paths_of, write_images
+from .sources import Source
 
 # These formats hold one object, or several joined into one in world space.
 WRITERS: dict[str, Callable[[Path, Baked], None]] = {
@@ -117,8 +118,10 @@ def files_of(arguments: argparse.Namespace) -> list[Path]:
     return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
 
 
-def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
-    """Writes all files; returns their part of the report."""
+def write_files(
+    arguments: argparse.Namespace, baked: list[Baked], source: Source
+) -> dict[str, object]:
+    """Writes all files, a .blend by its source; returns their part of the report."""
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
     written: list[Path] = []
     for path in arguments.output:
@@ -126,9 +129,7 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
         if suffix == ".exr":
             continue
         if suffix == ".blend":
-            from ..scene import scene_io
-
-            scene_io.save_blend(path, arguments.verbose)
+            source.save(path)
         elif suffix == ".npz" and len(baked) > 1:
             write_whole(path, baked, results.write_npz_of_all)
         else:

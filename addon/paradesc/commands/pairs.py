@@ -5,20 +5,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..bridge import InputError
 from ..core import job, pair_names, transfer
-from ..core.standard_streams import quiet
-from ..files import mesh_files
-from ..files.mesh_files import FileMesh
 from .common import Parser, UsageError
-from .file_reading import FileRead, chosen, open_files, read_mesh, reads_files
-from .opening import Opened, open_input, open_objects
-from .reading import Target, mesh_name, read_object, world_matrix
-
-if TYPE_CHECKING:
-    from ..scene.targets import Read
+from .sources import Opened, Read, Source, Target, world_matrix
 
 
 def add_pair_options(parser: Parser) -> None:
@@ -61,67 +52,33 @@ def check_pair_options(arguments: argparse.Namespace) -> None:
         raise UsageError("Maps belong to the mesh that is measured; leave them out, or bake that mesh itself.")
 
 
-def opened_lows(arguments: argparse.Namespace) -> Opened:
+def opened_lows(source: Source, arguments: argparse.Namespace) -> Opened:
     """Opens the input and picks the low-poly objects: with --pairs by their names, unless --object names them."""
+    notes = source.open()
     if not arguments.pairs or arguments.object:
-        return open_objects(arguments)
-    if reads_files(arguments):
-        there, notes = open_files(arguments), []
-        opened = Opened([], beside=there)
-    else:
-        _, notes = open_input(arguments)
-        from ..scene import scene_io
-
-        there = scene_io.mesh_objects()
-        opened = Opened([], notes)
-    lows = [item for item in there if pair_names.LOW.fullmatch(item.name)]
+        opened = source.picked()
+        return Opened(opened.objects, notes + opened.notes)
+    lows = [item for item in source.everything() if pair_names.LOW.fullmatch(item.name)]
     if not lows:
         raise InputError("No mesh object has a name that ends in _low.")
-    opened.objects = sorted(lows, key=lambda item: item.name)
-    return opened
+    return Opened(sorted(lows, key=lambda item: item.name), notes)
 
 
 @contextmanager
-def with_highs(opened: Opened, arguments: argparse.Namespace) -> Iterator[dict[Target, list[Target]]]:
+def with_highs(
+    source: Source, lows: list[Target], arguments: argparse.Namespace
+) -> Iterator[dict[Target, list[Target]]]:
     """Yields the detailed objects of each low-poly one. Those of another file are in the open scene until the end."""
-    if reads_files(arguments):
-        other = arguments.from_file
-        yield highs_of(opened.objects, opened.beside if other is None else mesh_files.read(other), arguments)
-        return
-    from ..scene import scene_io
-
-    with scene_io.without_added():
-        if arguments.from_file is not None:
-            there = scene_io.add_objects(arguments.from_file, arguments.verbose)
-        else:
-            there = scene_io.mesh_objects()
-        yield highs_of(opened.objects, there, arguments)
-
-
-def highs_of(lows: list[Target], there: list[Target], arguments: argparse.Namespace) -> dict[Target, list[Target]]:
-    """The detailed objects of each low-poly one, taken from the existing objects."""
-    if arguments.pairs:
-        return by_name(lows, there)
-    (low,) = lows
-    found = named(there, arguments) if arguments.from_objects else [item for item in there if has_faces(item)]
-    if low in found:
-        raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
-    return {low: found}
-
-
-def named(there: list[Target], arguments: argparse.Namespace) -> list[Target]:
-    """The objects that --from names, each once."""
-    if reads_files(arguments):
-        return chosen(there, arguments.from_objects)
-    from ..scene import scene_io
-
-    added = arguments.from_file is not None
-    return [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(arguments.from_objects)]
-
-
-def has_faces(target: Target) -> bool:
-    """Whether the object has faces; meshes of files always have some."""
-    return isinstance(target, FileMesh) or bool(target.data.polygons)
+    with source.detailed() as there:
+        if arguments.pairs:
+            yield by_name(lows, there)
+            return
+        (low,) = lows
+        names = arguments.from_objects
+        found = source.named(there, names) if names else [item for item in there if source.has_faces(item)]
+        if low in found:
+            raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
+        yield {low: found}
 
 
 def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target]]:
@@ -138,29 +95,20 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 # ---- Baking
 
 
-def read_low(low: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
+def read_low(source: Source, low: Target, settings: job.Settings) -> Read:
     """Reads the low-poly object; its own normals are not measured."""
-    options = replace(settings.options, normals="fitted")
-    return read_object(low, replace(settings, options=options), arguments)
+    return source.read(low, replace(settings, options=replace(settings.options, normals="fitted")))
 
 
-def read_high(high: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
-    """Reads a detailed object. It is measured at its vertices and needs no UV map."""
-    if isinstance(high, FileMesh):
-        options = replace(settings.options, evaluate="vertex")
-        return read_mesh(high, replace(settings, options=options), arguments, has_images=False)
-    with quiet(arguments.verbose):
-        return read_object(high, settings, arguments)
-
-
-def part_of(target: Target, read: "Read | FileRead") -> transfer.Part:
+def part_of(target: Target, read: Read) -> transfer.Part:
     """The object as transfer takes it: as it was read, with its place in the world."""
     return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
 
 
 def run_onto(
+    source: Source,
     low: Target,
-    read: "Read | FileRead",
+    read: Read,
     highs: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
@@ -169,10 +117,10 @@ def run_onto(
 ) -> tuple[job.Results, list[str]]:
     """Measures the detailed objects for one low-poly object; also returns notes about how they were read."""
     if read.arrays.map_fault:
-        raise InputError(f'The mesh "{mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
+        raise InputError(f'The mesh "{source.mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
     parts, notes = [], []
     for high in highs:
-        found = read_high(high, settings, arguments)
+        found = source.read_high(high, settings)
         # The detailed object itself gets no results, so notes about where they would go are left out.
         notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
         parts.append(part_of(high, found))

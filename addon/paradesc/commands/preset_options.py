@@ -1,11 +1,13 @@
 """The option --preset: finds the preset, which is built in, the user's or a file, and fills in options not given."""
 
+import argparse
 from pathlib import Path
 
 from ..files import paths, preset_file, preset_rules
 from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
 from .common import UsageError, has_blender
+from .sources import scene_source
 
 # The members that have no effect, because the suffix of an image's file decides.
 WITHOUT_OPTION = ("image_format",)
@@ -40,11 +42,10 @@ def found_preset(name: str | None) -> Content | None:
 
 def preset_in_folders(name: str) -> Content:
     """The preset of this name in one of Blender's folders."""
-    from ..settings import preset_folders
-
-    row = preset_folders.row_named(name)
+    scene = scene_source(argparse.Namespace())
+    row = scene.preset(name)
     if row is None:
-        others = {row.name for row in preset_folders.every_row() if not row.fault}
+        others = {row.name for row in scene.presets() if not row.fault}
         known = ", ".join([*PRESETS, *sorted(others)])
         raise UsageError(f'There is no preset "{name}"; choose one of {known}, or give a file (NAME.json).')
     return preset_rules.sound(row.path)

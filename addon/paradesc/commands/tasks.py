@@ -16,14 +16,12 @@ from pathlib import Path
 from ..bridge import InputError, ParadescError
 from ..core import costs, job
 from ..files import cache, results
-from ..files.mesh_files import FileMesh
 from ..files.results import folder_fault, write_whole
 from ..files.triangle_counts import triangles
 from . import animate, animate_files, assets, bundles, library
 from .common import Parser, UsageError, add_output_options, check_outputs, has_blender
-from .opening import open_objects
 from .options import opened_settings, settings_of
-from .reading import Target
+from .sources import source_of
 
 DIVIDED = ("animate", "library")
 FRAMES_A_TASK = 10
@@ -237,16 +235,18 @@ def scene_of(parsed: argparse.Namespace) -> Scene:
     """Opens the scene for its frames, objects and triangles. Without Blender, the options have to supply them."""
     frames = animate.parse_frames(parsed.frames)
     try:
-        opened = open_objects(parsed)
+        source = source_of(parsed)
+        source.open()
+        objects = source.picked().objects
     except (ParadescError, InputError):
         if has_blender() or frames is None or parsed.cache is None:
             raise
         note = "Without Blender's module bpy nobody knows the objects: costs are left out."
         return Scene(frames, parsed.cache, [], None, settings_of(parsed), note)
     settings = opened_settings(parsed)
-    root = animate.cache_folder(parsed)
-    folders = [cache.object_folder(root, target.name) for target in opened.objects]
-    return Scene(frames or animate.scene_frames(), root, folders, sum(map(triangle_count, opened.objects)), settings)
+    root = source.cache_folder()
+    folders = [cache.object_folder(root, target.name) for target in objects]
+    return Scene(frames or source.frame_range(), root, folders, sum(map(source.triangles, objects)), settings)
 
 
 def sequence_of(parsed: argparse.Namespace) -> Scene:
@@ -255,15 +255,8 @@ def sequence_of(parsed: argparse.Namespace) -> Scene:
     frames = animate_files.wanted(meshes, animate.parse_frames(parsed.frames))
     root = animate_files.cache_folder(parsed)
     folders = [cache.object_folder(root, mesh.name) for mesh in meshes]
-    count = sum(triangle_count(mesh.first) for mesh in meshes)
+    count = sum(len(mesh.first.arrays.triangle_corners) for mesh in meshes)
     return Scene(list(frames), root, folders, count, opened_settings(parsed))
-
-
-def triangle_count(target: Target) -> int:
-    """The number of triangles of an object's own mesh, before modifiers."""
-    if isinstance(target, FileMesh):
-        return len(target.arrays.triangle_corners)
-    return len(target.data.loops) - 2 * len(target.data.polygons)
 
 
 # ---- Assets

@@ -1,9 +1,19 @@
-"""Describes how values are distributed: moments, percentiles and a histogram. Never imports bpy."""
+"""Describes how values are distributed: range, moments, percentiles and a histogram. Never imports bpy."""
 
 import numpy as np
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 BINS = 64
+
+
+def statistics(values: np.ndarray) -> dict[str, float | int | None]:
+    """The range of (n,) or (n, 3) values, and the number of vertices without a value."""
+    finite = values[np.isfinite(values)]
+    return {
+        "minimum": float(finite.min()) if finite.size else None,
+        "maximum": float(finite.max()) if finite.size else None,
+        "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
+    }
 
 
 def distribution(values: np.ndarray) -> dict[str, object]:

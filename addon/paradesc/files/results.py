@@ -14,8 +14,8 @@ import numpy as np
 from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
+from ..core.distributions import statistics
 from ..core.job import Results, Transfer
-from ..core.statistics import statistics
 from . import picture, png
 from .paths import name_fault
 

@@ -5,7 +5,6 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
-from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -15,38 +14,11 @@ from ..core import advice, balance
 from ..core.corners import check_threshold
 from ..core.face_centers import DOMAINS
 from ..core.job import Settings, check_descriptors
-
-RadiusUnit = Literal["diagonal", "absolute", "mean-edge"]
-Normals = Literal["fitted", "max", "mesh"]
-Creases = Literal["auto", "marked", "none"]
-Estimator = Literal["shape-operator", "integral", "extrapolated"]
-Distance = Literal["euclidean", "geodesic"]
-Domain = Literal["vertices", "faces"]
-Backend = Literal["auto", "gpu", "cpu", "software", "reference"]
+from .words import MoreOptions
 
 DEFAULTS = {row.name: row.default for row in bridge.TABLE}
 # The settings that belong to the machine, with their largest values.
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
-
-
-class MoreOptions(TypedDict, total=False):
-    """The options that are needed less often; addon/manual/reference.md describes each."""
-
-    variance_reduction: Literal["shape", "none"]
-    geodesic: Literal["local", "chords"]
-    map_sigma: float
-    harris_k: float
-    corner_threshold: float
-    buffer_size: int
-    relocation: Literal["connected", "affine", "paper"]
-    max_jumps: int
-    seed: int
-    pattern: Literal["golden-angle", "stratified"]
-    ellipse: Literal["center", "directional"]
-    evaluate: Literal["vertex", "texel"]
-    texels: int
-    precision: Literal["full", "half"]
-    adaptive: float
 
 
 def check_names(function: Callable, more: Iterable[str], known: Iterable[str] = MoreOptions.__annotations__) -> None:

@@ -2,16 +2,15 @@
 
 import enum
 from collections.abc import Iterator, Mapping
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bridge import abi
-from ..core import legend
-from ..core.job import Results
-from ..core.statistics import statistics
-from .other_meshes import write_to
+
+if TYPE_CHECKING:
+    from ..core.job import Results
 
 AnyMesh = TypeVar("AnyMesh")
 # What mends a mesh in Python, in place of the menus of Blender that sentences end with, by words of these.
@@ -127,8 +126,10 @@ class Result(Mapping[str, NDArray[np.float32]]):
     (2, 441)
     """
 
-    def __init__(self, results: Results) -> None:
+    def __init__(self, results: "Results") -> None:
         """Takes the results of a job."""
+        from . import work
+
         self._values, settings = results.values, results.settings
         radii = (settings.options.radius, *settings.more_radii)
         pairs = [(name, radius) for radius in radii for name in settings.descriptors]
@@ -137,7 +138,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
         self.mask: NDArray[np.uint8] = results.mask
         self.domain = settings.domain
         map_name = settings.options.map_descriptor
-        self.units = {name: legend.unit_of(name, map_name) for name in self}
+        self.units = {name: work.legend.unit_of(name, map_name) for name in self}
         self.radii = {name: results.radius_of(name) for name in self}
         self.radius, self._diagonal = results.radius, float(results.mesh_report["diagonal"])
         found = results.corners
@@ -211,7 +212,9 @@ class Result(Mapping[str, NDArray[np.float32]]):
         InputError
             The mesh has another number of vertices or faces, or no place for values.
         """
-        write_to(mesh, {**self._values, "coverage": self.coverage}, self.domain)
+        from . import work
+
+        work.other_meshes.write_to(mesh, {**self._values, "coverage": self.coverage}, self.domain)
         return mesh
 
     def _line(self, name: str) -> str:
@@ -227,10 +230,12 @@ class Result(Mapping[str, NDArray[np.float32]]):
         least, middle, largest = finite.min(), np.median(finite), finite.max()
         return f"{name}: {least:.4g} to {largest:.4g}, median {middle:.4g}{unit}{missing}"
 
-    def _report(self, results: Results) -> dict[str, object]:
+    def _report(self, results: "Results") -> dict[str, object]:
+        from . import work
+
         shown = {}
         for name, values in self.items():
-            shown[name] = {**statistics(values), "radius": self.radii[name], "unit": self.units[name]}
+            shown[name] = {**work.statistics(values), "radius": self.radii[name], "unit": self.units[name]}
         return {
             "backend": self.backend,
             "device": self.device,

@@ -199,11 +199,11 @@ def make_scene(blend: Path) -> tuple[dict[str, object], dict[str, np.ndarray]]:
 def main(addon: str, version: str, out: str) -> None:
     """Makes the scene, and packs everything."""
     sys.path.insert(0, addon)
-    import paradesc
+    import paradesc_blender
 
     with tempfile.TemporaryDirectory() as work:
         folder, blend = Path(work), Path(work) / "saved.blend"
-        paradesc.register()
+        paradesc_blender.register()
         expected, arrays = make_scene(blend)
         expected.update(version=version, blender=bpy.app.version_string)
         packed = io.BytesIO()
@@ -215,7 +215,7 @@ def main(addon: str, version: str, out: str) -> None:
             archive.write(kept / "Saved.json", "Saved.json")
             archive.writestr("expected.json", json.dumps(expected, indent=1, sort_keys=True))
             archive.writestr("expected.npz", packed.getvalue())
-        paradesc.unregister()
+        paradesc_blender.unregister()
     sys.stdout.write(f"{Path(out).stat().st_size:,} bytes\n")
 
 

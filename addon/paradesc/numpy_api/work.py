@@ -1,0 +1,65 @@
+"""What api.py and results work with. The first call imports it, so that `import paradesc` is quick."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bridge import InputError, ParadescError, ProgressFunction, abi, origin
+from ..core import balance, face_centers, job, legend
+from ..core.distributions import statistics
+from ..core.polygons import Polygons, triangle_corners
+from ..core.stream import Stream
+from . import inputs, options, other_meshes
+
+__all__ = [
+    "Stream", "balance", "cancelling", "check_normals", "face_centers", "inputs", "job", "legend", "options", "origin",
+    "other_meshes", "plain_errors", "statistics", "surface_of", "triangle_corners",
+]  # fmt: skip
+
+
+def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
+    """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
+    kind = type(vertices).__name__
+    if faces is None:
+        vertices, faces = other_meshes.vertices_and_faces(vertices)
+    if faces is None:
+        raise InputError(f"faces is missing; give two arrays, or one mesh of trimesh, PyVista or Open3D, not a {kind}.")
+    points = inputs.points_of(vertices)
+    return points, inputs.polygons_of(faces, len(points))
+
+
+def check_normals(settings: job.Settings, corner_normals: object) -> None:
+    """Refuses to measure by the mesh's own normals where there are none."""
+    if settings.options.normals == "mesh" and corner_normals is None:
+        raise InputError('corner_normals is missing; give them, or choose normals "fitted" or "max".')
+
+
+def cancelling(progress: Callable[[str, float], object] | None) -> ProgressFunction | None:
+    """A progress function that cancels where the given one returns False, and not where it returns nothing."""
+    if progress is None:
+        return None
+    if not callable(progress):
+        raise InputError(f"progress is {options.shown(progress)}; give a function of stage and fraction.")
+
+    def tell(stage: str, fraction: float) -> bool:
+        answer = progress(stage, fraction)
+        return bool(answer) or not isinstance(answer, (bool, np.bool_))
+
+    return tell
+
+
+@contextmanager
+def plain_errors() -> Iterator[None]:
+    """Makes what cannot be used an InputError, wherever it was found, and says where memory ends."""
+    try:
+        yield
+    except InputError:
+        raise
+    except ParadescError as error:
+        if error.status != abi.STATUS_INVALID_ARGUMENT:
+            raise
+        raise InputError(error.sentence) from None
+    except MemoryError:
+        raise ParadescError(abi.STATUS_OUT_OF_MEMORY, "There is not enough memory for a mesh of this size.") from None

@@ -1,0 +1,125 @@
+"""Bakes frames of an animated object into files of a frame cache, for the animate command and the Bake Frames operator.
+
+prepare() needs Blender's main thread, run() runs on any.
+"""
+
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+
+import bpy
+import numpy as np
+
+from paradesc.bridge import MeshArrays, ParadescError
+from paradesc.core import job, source_kinds
+from paradesc.core.digests import digest
+from paradesc.files.frame_baking import Baker, FrameRequest, Task, at_frame
+
+from ..scene import delivery, mesh_io, source_meshes, surface_maps
+from ..scene.mesh_io import refuse
+from . import pausing
+
+OWN_VERTICES = (
+    "The modifiers do not keep the original vertices, so the frames hold the values of the evaluated mesh: they can "
+    "be read, but not played on the object."
+)
+
+
+def source_of(target: bpy.types.Object, source: str) -> str:
+    """The source of the object's frames, as the scene or an option names it.
+
+    The automatic source is the evaluated mesh if it keeps the object's own vertices, so that its frames can be played
+    on the object, and the deformed mesh otherwise.
+    """
+    if source != source_kinds.AUTOMATIC:
+        return source
+    evaluated = source_meshes.read(target, source_kinds.EVALUATED, needs_uvs=False)
+    return source_kinds.EVALUATED if evaluated.own else source_kinds.DEFORMED
+
+
+class FrameBaker(Baker):
+    """Bakes frames of one object. Its own mesh is the rest pose, from which all frames take radii and rest values."""
+
+    def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
+        source_meshes.check_source(request.source)
+        self.scene, self.target = scene, target
+        self.reading: source_meshes.Reading | None = None
+        super().__init__(target.name, target.data.name, request)
+
+    def read_base(self, needs_uvs: bool) -> MeshArrays:
+        """The object's own mesh."""
+        base = mesh_io.read_object(self.target, self.normals, needs_uvs)
+        self.add_maps(base)
+        return base
+
+    def on_base(self, results: job.Results, reading: source_meshes.Reading) -> job.Results:
+        """The results at the object's own vertices, where those are still there."""
+        return delivery.on_original(results, reading)
+
+    def add_maps(self, arrays: MeshArrays) -> None:
+        """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""
+        if self.request.maps is None or not self.request.maps.any:
+            return
+        notes = surface_maps.add_maps(self.target, arrays, self.request.maps)
+        if arrays.maps is not None and arrays.maps.normals is not None:
+            raise refuse("Normal maps are followed in single bakes only; leave them out to bake frames.")
+        self.notes += [note for note in notes if note not in self.notes]
+
+    def prepare(self, frame: int) -> Task | None:
+        """Goes to the frame and reads the object there; None if its file exists already. Main thread only."""
+        start = time.perf_counter()
+        with self.evaluating():
+            self.scene.frame_set(frame)
+            bpy.context.view_layer.update()
+            moved = time.perf_counter()
+            args = (self.normals, self.needs_uvs, self.base, self.reading)
+            try:
+                reading = source_meshes.read(self.target, self.request.source, *args)
+            except ParadescError as error:
+                raise at_frame(frame, error) from error
+        self.take(reading)
+        arrays = reading.arrays
+        content = digest(arrays.positions, arrays.corner_normals, reading.vertices)
+        if arrays.corner_vertices is not self.base.corner_vertices:
+            content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
+        read = time.perf_counter()
+        if self.is_kept(frame, content):
+            return None
+        return Task(frame, reading, content, {"depsgraph": moved - start, "read": read - moved})
+
+    @contextmanager
+    def evaluating(self) -> Iterator[None]:
+        """Hides modifiers that are not measured during evaluation; without a window, hold it over all frames."""
+        with pausing.held(), self.hiding() as hidden:
+            if hidden:
+                names = source_meshes.quoted(hidden)
+                sentence = f"Measured without the modifiers that change the vertices: {names}."
+                self.notes += [sentence] if sentence not in self.notes else []
+            yield
+
+    def hiding(self) -> AbstractContextManager[list[str]]:
+        """Hides the modifiers that are not measured; yields their names."""
+        return source_meshes.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
+
+    def take(self, reading: source_meshes.Reading) -> None:
+        """Keeps a frame's reading and its notes. The next frame is read faster with it."""
+        if reading.arrays.corner_vertices is not self.base.corner_vertices:
+            if self.request.relative:
+                raise refuse(
+                    f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
+                    f"with; choose the source {source_kinds.in_words('deformed')}."
+                )
+            self.add_maps(reading.arrays)
+        self.reading = reading
+        notes = reading.notes if reading.own else [OWN_VERTICES]
+        self.notes += [note for note in notes if note not in self.notes]
+
+
+@contextmanager
+def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
+    """Comes back to the frame that was current, whatever happens."""
+    frame, part = scene.frame_current, scene.frame_subframe
+    try:
+        yield
+    finally:
+        scene.frame_set(frame, subframe=part)

@@ -1,0 +1,230 @@
+"""Bakes textures of several meshes, or of pairs of them, one worker after another, and keeps all at the end."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from paradesc.core import job, transfer
+from paradesc.core.color_maps import MASKS
+from paradesc.files import image_files, marks
+from paradesc.files.results import file_fault, write_whole
+
+from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
+from ..settings import looks, properties
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, file_word, find, key_of
+
+# The native library's warning contains these words if it computed on another layout than the UV map.
+LAID_OUT = "laid out afresh"
+
+
+@dataclass
+class TextureBake(Piece):
+    """One mesh whose textures are baked, and the results."""
+
+    highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
+    stem: str = ""  # with which the names of its textures begin
+    computed: image_files.Computed | None = None  # until all meshes are, if they share a range
+    textures: image_files.Textures | None = None
+    over: uv_maps.Over | None = None  # the UV map that they lie over
+    seconds: float = 0.0  # how long that and the computation lasted
+    told: list[str] = field(default_factory=list)  # the notes that the panel shows
+    images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
+    made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
+    placed: list[Path] = field(default_factory=list)  # files that were written
+    material: str = ""  # the name of the one that has the images now
+
+    def drop(self) -> None:
+        """Forgets the textures."""
+        self.textures = self.computed = None
+
+    def result(self, size: int) -> image_results.ImageBake:
+        """The record of the bake that the mesh keeps, made once its images are loaded."""
+        found = self.textures.results
+        masks = [MASKS.issuperset(textures[0].holds) for textures in self.textures.by_name().values()]
+        seen = zip(masks, self.textures.extremes(), strict=True)
+        return image_results.ImageBake(
+            names=[image.name for image in self.images],
+            holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
+            size=size,
+            seconds=self.seconds,
+            uv_map=self.over.name,
+            cage=0.0 if found.transfer is None else found.transfer.cage,
+            notes="\n".join(self.told),
+            warnings="\n".join(self.warnings),
+            percent=100 * found.radius / found.mesh_report["diagonal"],
+            drawn={str(place): shares for place, (is_mask, shares) in enumerate(seen) if is_mask},
+        )
+
+
+class ImageBatch(Pieces):
+    """Runs the operator step by step. Only the computation itself leaves the main thread."""
+
+    def __init__(self, context: bpy.types.Context, onto: bool = False) -> None:
+        """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed.
+
+        onto: whether they are pairs, in which detailed meshes are measured over the UV map of a low-poly one.
+        """
+        group = context.scene.paradesc
+        maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
+        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=False)
+        self.choice = image_files.Choice(
+            group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
+        )
+        self.to_material = group.image_to_material
+        self.settings = self.choice.settings(properties.job_settings(group))
+        job.check_descriptors(self.settings.descriptors)
+        # An unsaved .blend has no folder: its images are packed into it.
+        self.folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+        self.started = time.monotonic()
+        self.cage = group.cage
+        super().__init__(paired(context) if onto else alone(context))
+        for piece in self.pieces:
+            piece.stem = file_word(piece.name)
+        # With one scale for several meshes none is drawn before all are computed.
+        self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
+        self.round = 1
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        return (self.round - 1 + super().fraction) / self.rounds
+
+    def work(self) -> Work:
+        """Processes all meshes, twice if they share a scale: drawing then begins once all are measured."""
+        yield from super().work()
+        measured = [results for piece in self.pieces if piece.computed is not None for results in piece.computed.found]
+        if self.rounds > 1 and measured:
+            self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, measured))
+            self.round, self.current = self.rounds, 0
+            yield from super().work()
+
+    @property
+    def written(self) -> list[TextureBake]:
+        """The meshes whose textures are in place."""
+        return [piece for piece in self.pieces if piece.textures is not None]
+
+    @property
+    def seconds(self) -> float:
+        """The seconds that the work has lasted."""
+        return time.monotonic() - self.started
+
+    def work_on(self, piece: TextureBake) -> Work:
+        """Reads a mesh and computes its textures, or draws those that were computed in the first round."""
+        if piece.failure:
+            return
+        begun = time.monotonic()
+        drawing = piece.computed and partial(image_files.packed, piece.computed, self.choice)
+        made = yield from computed(drawing or self.measuring(piece))
+        piece.seconds += time.monotonic() - begun
+        if self.round < self.rounds:
+            piece.computed = made
+            return
+        piece.textures, piece.computed = made, None
+        found = piece.textures.results
+        # On the processor the map that is measured over limits nothing.
+        harmless = [line for line in found.warnings if LAID_OUT in line and found.backend == "cpu"]
+        piece.notes += [*found.notes, *found.unused_notes(), *harmless]
+        others = [line for line in found.warnings if line not in harmless]
+        piece.warnings = [*others, *found.facet_notes(), *piece.warnings]
+
+    def measuring(self, piece: TextureBake) -> Callable[..., object]:
+        """Reads a mesh; returns the work that measures it."""
+        target = piece.target()
+        if self.folder is not None:
+            fault = file_fault(self.folder / f"{piece.stem}.png")
+            if fault:
+                raise mesh_io.refuse(fault)
+        own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
+        read, piece.over = uv_maps.read_over(target, self.settings, own)
+        piece.told = [piece.over.note] if piece.over.note else []
+        piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
+        if piece.highs:
+            return self.measuring_onto(piece, pairs.part_of(target, read))
+        run = image_files.run if self.rounds == 1 else image_files.computed
+        return partial(run, piece.stem, read.measured, self.settings, self.choice)
+
+    def measuring_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
+        """Reads the detailed meshes of a piece; returns the work that measures them."""
+        highs = []
+        for high in map(find, piece.highs):
+            read = targets.read(high, self.settings, self.request)
+            piece.notes += read.notes
+            piece.warnings += read.warnings
+            highs.append(pairs.part_of(high, read))
+        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
+        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
+
+    def close(self) -> None:
+        """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
+        super().close()
+        for piece in self.pieces:
+            if piece.over is not None and piece.over.made and not piece.images:
+                with self.attempt(piece):
+                    self.take_map_away(piece)
+                piece.over = None
+
+    def take_map_away(self, piece: TextureBake) -> None:
+        """Removes the UV map that was made for a mesh, unless finished images of another object with it use the map."""
+        target, name = piece.target(), piece.over.name
+        kept = (other for other in self.pieces if other.images and other.over.name == name)
+        if all(other.target().data != target.data for other in kept):
+            uv_maps.remove(target, name)
+
+    def finish(self) -> None:
+        """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
+        if self.written:
+            properties.show_radius(bpy.context.scene.paradesc, self.written[0].textures.results.settings)
+        for piece in self.written:
+            with self.attempt(piece):
+                self.write(piece)
+
+    def write(self, piece: TextureBake) -> None:
+        """Keeps one mesh's textures."""
+        target = piece.target()
+        made = piece.textures.by_name()
+        piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
+        if self.to_material:
+            uv_map, repeats = uv_maps.not_rendered(target.data, piece.over.name), piece.over.repeats
+            holds = [textures[0].holds for textures in made.values()]
+            rows = zip(piece.images, holds, strict=True)
+            found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
+            piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
+        image_results.keep(target.data, piece.result(self.choice.size))
+
+    def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
+        """Writes and loads the file of a texture, or those of its tiles; without a folder they are packed instead.
+
+        They get the first name that is free, or that of the same object's earlier, unchanged bake.
+        """
+        owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
+        tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
+        place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
+        if place != name:
+            piece.told.append(
+                f'"{name}" is not the image that a bake of "{piece.name}" made, or was changed, and is kept; the '
+                f'texture is "{place}".'
+            )
+            piece.notes.append(piece.told[-1])
+        names = [replace(texture, name=place).file_name for texture in textures]
+        piece.made += names
+        if self.folder is None:
+            return images.from_memory(place, tiles, owner["object"])
+        for own, content in zip(map(self.folder.joinpath, names), tiles.values(), strict=True):
+            write_whole(own, content, Path.write_bytes)
+            piece.placed.append(own)
+        return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
+
+
+def alone(context: bpy.types.Context) -> list[TextureBake]:
+    """One piece for each chosen mesh."""
+    return [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
+
+
+def paired(context: bpy.types.Context) -> list[TextureBake]:
+    """One piece for each low-poly object."""
+    found = pairs.chosen(context)
+    return [TextureBake(key_of(low), [key_of(high) for high in highs]) for low, highs in found.items()]

@@ -1,0 +1,218 @@
+"""The base of bakes of meshes and of frames: a list of objects, processed one after another by workers."""
+
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import bpy
+
+from paradesc.bridge import ParadescError, ProgressFunction, abi
+from paradesc.core.threads import Worker
+from paradesc.files import file_names
+
+from ..settings.translation import label, said
+
+# People read these words for the stages that computations go through.
+STAGE_WORDS = {
+    "read": "Reading the mesh",
+    "start": "Preparing",
+    "mesh": "Preparing",
+    "prepare": "Preparing",
+    "rays": "Finding the detailed mesh",
+    "image": "Drawing the image",
+    "write": "Drawing the image",
+    "write images": "Writing images",
+    "write buffers": "Writing buffers",
+}
+ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
+
+
+@dataclass
+class Piece:
+    """One object of a bake, with its results, or its failure, and with notes and warnings."""
+
+    key: ObjectKey
+    results: object = field(default=None, kw_only=True)  # of the computation
+    failure: str = field(default="", kw_only=True)  # one sentence
+    notes: list[str] = field(default_factory=list, kw_only=True)
+    warnings: list[str] = field(default_factory=list, kw_only=True)  # about what limits its results
+
+    @property
+    def name(self) -> str:
+        """The object's name, for sentences."""
+        return self.key[0]
+
+    def target(self) -> bpy.types.Object:
+        """The mesh object; raises one sentence if it is gone."""
+        return find(self.key)
+
+    def drop(self) -> None:
+        """Drops what was computed, because something went wrong."""
+        self.results = None
+
+
+Work = Iterator[Worker | None]  # on the main thread; each worker that it yields has ended before it goes on
+
+
+def computed(work: Callable[[ProgressFunction], object], name: str = "paradesc") -> Generator[Worker, None, object]:
+    """Computes beside the main thread, and returns the result."""
+    worker = Worker(work, name)
+    worker.start()
+    yield worker
+    return worker.result()
+
+
+# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
+# then crashes if the process ends while a bake runs.
+class Steps:
+    """Runs the generator work() in steps, whenever the worker that it waits for has ended. Subclasses define work()."""
+
+    def __init__(self) -> None:
+        """Starts with no worker under way."""
+        self.worker: Worker | None = None
+        self.cancelled = False
+        self.done = False  # whether no step is left, or the work is at rest after cancelling
+        self._work = self.work()
+
+    def work(self) -> Work:
+        """All of it. A yielded None lets the window breathe."""
+        raise NotImplementedError
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the work if its worker has ended; wait: waits for that. A cancelled one is closed instead."""
+        if self.done or (self.worker is not None and not wait and not self.worker.done):
+            return
+        if self.worker is not None:
+            self.worker.join()  # if Ctrl-C interrupts the wait, the worker stays for close()
+            self.worker = None
+        if self.cancelled:
+            self._work.close()
+            self.done = True
+            return
+        try:
+            self.worker = next(self._work)
+        except StopIteration:
+            self.done = True
+
+    def cancel(self) -> None:
+        """Asks the worker to stop; the work ends once it has."""
+        self.cancelled = True
+        if self.worker is not None:
+            self.worker.cancel()
+
+    def close(self) -> None:
+        """Cancels the remaining work, waits for it, and cleans up. Safe to call again."""
+        if not self.done:
+            self.cancel()
+        while not self.done:
+            self.step(wait=True)
+
+
+class Pieces(Steps):
+    """Pieces processed one after another. Subclasses define work_on()."""
+
+    def __init__(self, pieces: list[Piece]) -> None:
+        """Starts before the first piece."""
+        super().__init__()
+        self.pieces = pieces
+        self.current = 0  # the number of pieces that are finished
+
+    def work(self) -> Work:
+        """Processes all pieces."""
+        for piece in self.pieces:
+            with self.attempt(piece):
+                yield from self.work_on(piece)
+            self.current += 1
+            if self.current < len(self.pieces):
+                yield None
+
+    def work_on(self, piece: Piece) -> Work:
+        """Reads the mesh of a piece, computes, and keeps the results until those of all pieces are there."""
+        raise NotImplementedError
+
+    @contextmanager
+    def attempt(self, piece: Piece) -> Iterator[None]:
+        """Makes an error the failure of this piece, so that the others go on."""
+        try:
+            yield
+        except ParadescError as error:
+            self.cancelled = self.cancelled or error.status == abi.STATUS_CANCELLED
+            piece.failure = error.sentence
+            piece.drop()
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        own = self.worker.fraction if self.worker else 0.0
+        return min((self.current + own) / len(self.pieces), 1.0)
+
+    @property
+    def stage(self) -> str:
+        """Words for the step under way, shown as progress."""
+        own = stage_words(self.worker)
+        if len(self.pieces) == 1 or self.current == len(self.pieces):
+            return own
+        several = label("{stage}, mesh {number} of {count}")
+        return several.format(stage=own, number=self.current + 1, count=len(self.pieces))
+
+    @property
+    def failed(self) -> list[Piece]:
+        """The pieces that failed."""
+        return [piece for piece in self.pieces if piece.failure]
+
+    @property
+    def written(self) -> list[Piece]:
+        """The pieces whose results are there, or in place by now."""
+        return [piece for piece in self.pieces if piece.results is not None]
+
+
+def stage_words(worker: Worker | None) -> str:
+    """The stage of a worker in words; every stage of the computation itself reads as measuring."""
+    return label(STAGE_WORDS.get(worker.stage if worker else "read", "Measuring"))
+
+
+def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:
+    """Reports the notes and warnings of written pieces, with the objects' names if there are several."""
+    several = len(batch.pieces) > 1
+    for piece in written:
+        for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):
+            for sentence in dict.fromkeys(sentences):
+                report({kind}, f'"{piece.name}": {said(sentence)}' if several else said(sentence))
+
+
+def failures(batch: Pieces) -> list[str]:
+    """One sentence for each object that failed; with its name if there are several."""
+    if len(batch.pieces) == 1:
+        return [said(piece.failure) for piece in batch.failed]
+    return [with_name(piece.name, piece.failure) for piece in batch.failed]
+
+
+def file_word(name: str) -> str:
+    """An object's name as part of a file name. Two objects may get the same."""
+    return file_names.cut(bpy.path.clean_name(name))
+
+
+def file_words(keys: list[ObjectKey]) -> list[str]:
+    """Distinct file words of objects. Numbers count all objects in the .blend, so that every bake gives the same."""
+    there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
+    every = sorted(there, key=lambda key: (key[0], key[1] or ""))
+    words = dict(zip(every, file_names.distinct([file_word(name) for name, _ in every]), strict=True))
+    return [words[key] for key in keys]
+
+
+def with_name(name: str, failure: str) -> str:
+    """The sentence with the object's name in front, unless the sentence contains the name."""
+    return said(failure) if f'"{name}"' in failure else f'"{name}": {said(failure)}'
+
+
+def find(key: ObjectKey) -> bpy.types.Object:
+    """The mesh object of this key; raises one sentence if it is gone."""
+    found = bpy.data.objects.get(key)
+    if found is None or found.type != "MESH":
+        raise ParadescError(abi.STATUS_INVALID_OPERATION, f'The object "{key[0]}" is gone; nothing was written.')
+    return found
+
+
+def key_of(target: bpy.types.Object) -> ObjectKey:
+    """The key by which bpy.data.objects finds an object."""
+    return target.name, target.library.filepath if target.library is not None else None

@@ -1,0 +1,126 @@
+"""Brings results back to an object: to its own vertices, and to those that its modifiers make."""
+
+from dataclasses import replace
+
+import bpy
+import mathutils
+import numpy as np
+
+from paradesc.bridge import MeshArrays
+from paradesc.core.job import Results
+
+from . import carrying, mesh_io, modes, ownership, record, source_meshes
+from .arrays import set_values
+from .unwrap import fill
+
+COPY_SUFFIX = "_paradesc"
+
+
+def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+    """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them."""
+    if not reading.generated:
+        return mesh_io.write_results(target, results)
+    mesh_io.check_writable(target)
+    with modes.object_mode(target):
+        return deliver_generated(target, results, reading)
+
+
+def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+    """Carries the results to the generated mesh. The object's own vertices get their values, or the nearest ones."""
+    arrays, is_lost = reading.arrays, reading.vertices is None
+    if is_lost:
+        reading = replace(reading, vertices=nearest(target.data, arrays))
+    own, triangles = on_original(results, reading), arrays.triangle_vertices
+    mesh_io.check_count(target.data, own)
+    at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
+    drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
+    mesh_io.write_at(target.data, own, at, drawn)
+    mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
+    mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
+    carrying.carry(target, mesh, measured(arrays, is_lost))
+    return mesh_io.moved_notes(at)
+
+
+def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
+    """The counts for the carrier; is_lost: whether the measured mesh lacks some of the object's own vertices."""
+    return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
+
+
+def carrier_mesh(
+    target: bpy.types.Object, arrays: MeshArrays, is_lost: bool, earlier: dict[str, np.ndarray]
+) -> bpy.types.Mesh:
+    """A carrier's mesh, with values of earlier bakes whose attributes still exist on the object's own mesh.
+
+    It has faces only if own vertices are lost, because the nearest place on them is then looked up.
+    """
+    mesh, faces = carrying.emptied(target), arrays.triangle_vertices if is_lost else np.empty((0, 3), np.int32)
+    fill(mesh, arrays.positions, faces.ravel(), np.full(len(faces), 3))
+    kept = {name: values for name, values in earlier.items() if name in target.data.attributes}
+    mesh_io.make_attributes(mesh, list(kept))
+    for name, values in kept.items():
+        set_values(mesh.attributes[name], values)
+    record.take_over(target.data, mesh)
+    return mesh
+
+
+def on_original(results: Results, reading: source_meshes.Reading) -> Results:
+    """The results at the object's own vertices."""
+    if reading.vertices is None:
+        return results
+    at = reading.vertices
+    corners = results.corners
+    if corners is not None:
+        painted = corners.painted[at]
+        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
+        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
+        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
+        corners = replace(corners, vertices=own, painted=painted)
+    return replace(
+        results,
+        values={name: values[at] for name, values in results.values.items()},
+        coverage=results.coverage[at],
+        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
+        mask=results.mask[at],
+        near_seam=None if results.near_seam is None else results.near_seam[at],
+        seam_error={name: values[at] for name, values in results.seam_error.items()},
+        unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
+        corners=corners,
+    )
+
+
+def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:
+    """(vertex_count,) int64 vertex of the arrays that is nearest to each of the mesh's own."""
+    tree = mathutils.kdtree.KDTree(len(arrays.positions))
+    for vertex, position in enumerate(arrays.positions.tolist()):
+        tree.insert(position, vertex)
+    tree.balance()
+    return np.array([tree.find(position)[1] for position in mesh_io.read_positions(mesh).tolist()], np.int64)
+
+
+# ---- Copies
+
+
+def copy_with_values(target: bpy.types.Object) -> bpy.types.Object:
+    """A copy of the object with its modifiers applied and all values on the resulting vertices."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = bpy.data.meshes.new_from_object(
+        target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+    )
+    for name in (record.PROPERTY, ownership.PROPERTY):
+        if name in mesh:
+            del mesh[name]  # a record may name attributes that do not exist here
+    record.take_over(target.data, mesh)
+    ownership.leave(mesh, record.attributes_of(mesh))
+    active = target.data.color_attributes.active_color
+    if active is not None and active.name in mesh.color_attributes:
+        colors = mesh.color_attributes
+        colors.active_color, colors.render_color_index = colors[active.name], colors.find(active.name)
+    copy = bpy.data.objects.new(target.name + COPY_SUFFIX, mesh)
+    mesh.name = copy.name
+    for collection in target.users_collection:
+        collection.objects.link(copy)
+    for own, slot in zip(target.material_slots, copy.material_slots, strict=False):
+        if own.link == "OBJECT":  # the mesh has none of these
+            slot.link, slot.material = own.link, own.material
+    copy.matrix_world = target.matrix_world
+    return copy

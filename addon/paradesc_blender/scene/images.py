@@ -1,0 +1,108 @@
+"""Brings textures into Blender: as images of data, from files or packed into the .blend."""
+
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from paradesc.files import file_names, tile_names
+
+# The custom property of images that were packed because the .blend had no folder, and of materials made for images.
+MARK = "paradesc_image"
+# The custom property with the name of the object from which an image was baked.
+OBJECT = "paradesc_object"
+
+
+def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image:
+    """The image of a file, or of UDIM tiles, that was baked from an object of this name, with its present contents.
+
+    An image that Blender has loaded already keeps the settings that people gave it. Images that people made of the file
+    themselves only show the new contents.
+    """
+    tiled, there = tiles != [None], at_path(path)
+    ours = (item for item in there if OBJECT in item or item.colorspace_settings.is_data)
+    image = next((item for item in ours if (item.source == "TILED") == tiled), None)
+    made = image is None
+    if made:
+        image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])), check_existing=False)
+    path = tile_names.with_token(path) if tiled else path
+    if made and tiled:
+        image.name = path.name
+    read(image, path, tiles)
+    for other in there:
+        if other != image:
+            other.reload()
+    place(image, path)
+    image[OBJECT] = name
+    return as_data(image) if made else image
+
+
+def at_path(path: Path) -> list[bpy.types.Image]:
+    """The local images that use a file, or the tiled file that has its name."""
+    names = {file_names.folded(str(one)) for one in (path, tile_names.with_token(path))}
+    local = (item for item in bpy.data.images if item.library is None and item.filepath)
+    return [item for item in local if file_names.folded(str(Path(bpy.path.abspath(item.filepath)))) in names]
+
+
+def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
+    """Loads a file, or UDIM tiles, into an image; a tiled image has exactly these tiles afterwards."""
+    unpack(image)
+    image.source = "FILE" if tiles == [None] else "TILED"
+    image.filepath_raw = str(path)
+    image.reload()  # which takes in all tiles that lie there, of earlier bakes too
+    if tiles == [None]:
+        return
+    while len(image.tiles) > 1:  # one always stays
+        image.tiles.remove(image.tiles[-1])
+    image.tiles[0].number = tiles[0]
+    for number in tiles[1:]:
+        image.tiles.new(tile_number=number)
+    image.tiles.active_index = 0
+    image.alpha_mode = image.alpha_mode  # has Blender read the files of these tiles
+
+
+def unpack(image: bpy.types.Image) -> None:
+    """Removes packed contents, which a reload would keep."""
+    if image.packed_file is not None or len(image.packed_files):
+        image.unpack(method="REMOVE")
+
+
+def place(image: bpy.types.Image, path: Path) -> None:
+    """Makes the image's path relative to the .blend, if the preferences ask for relative paths."""
+    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+        image.filepath_raw = bpy.path.relpath(str(path))
+
+
+def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:
+    """The image of a file, or of UDIM tiles, that is packed into the .blend for an object of this name.
+
+    The image of an earlier bake is filled again. Blender packs only existing files, so they are written for a moment;
+    given bytes, it would look for the files all the same and complain on the console.
+    """
+    image = packed_as(name) or bpy.data.images.new(name, 8, 8)
+    made = OBJECT not in image
+    image[MARK], image[OBJECT] = name, owner
+    with tempfile.TemporaryDirectory(dir=bpy.app.tempdir) as folder:
+        path = Path(folder) / f"{name}.png"
+        path = path if None in contents else tile_names.with_token(path)
+        for tile, content in contents.items():
+            tile_names.of_tile(path, tile).write_bytes(content)
+        read(image, path, list(contents))
+        if made:
+            as_data(image)
+        image.pack()
+    image.filepath_raw = f"//{path.name}"
+    return image
+
+
+def packed_as(name: str) -> bpy.types.Image | None:
+    """The image of this name that an earlier bake packed into the .blend."""
+    return next((item for item in bpy.data.images if item.get(MARK) == name and item.library is None), None)
+
+
+def as_data(image: bpy.types.Image) -> bpy.types.Image:
+    """Sets up a new image as data: no color management, and channels that do not affect each other."""
+    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
+    image.colorspace_settings.is_data = True
+    image.alpha_mode = "CHANNEL_PACKED"
+    return image

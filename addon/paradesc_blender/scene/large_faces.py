@@ -1,0 +1,65 @@
+"""Tells whether an object's faces are too large for vertex colors, fast enough for a panel that asks at each draw."""
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from paradesc.core import large_faces, source_kinds
+
+from . import source_meshes, targets
+from .arrays import read_array
+
+# A mesh with more faces than this is always fine enough.
+MOST_FACES = 200_000
+# Recent answers, by facts that tell meshes apart without reading them.
+_found: dict[tuple, bool] = {}
+MOST_KEPT = 256
+# At most so many of the selected meshes are checked.
+MOST_ASKED = 32
+
+
+def of_chosen(context: bpy.types.Context) -> bool:
+    """Whether faces are too large on the meshes that a bake takes, as it measures them. Only the first are checked."""
+    return every(targets.chosen(context)[:MOST_ASKED], context.scene.paradesc_animation.source)
+
+
+def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
+    """Whether faces of all these objects, at least one, are too large as this source measures them."""
+    return bool(objects) and all(are_too_large(target, source) for target in objects)
+
+
+def are_too_large(target: bpy.types.Object, source: str) -> bool:
+    """Whether an object's faces are too large; never in other modes than object mode, in which people work on it."""
+    if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
+        return False
+    modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
+    shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target
+    key = (
+        target.data.as_pointer(),
+        *map(counts, (target.data, shown.data)),
+        *((item.type, getattr(item, "levels", 0)) for item in modifiers),
+    )
+    if key not in _found:
+        if len(_found) >= MOST_KEPT:
+            _found.clear()
+        _found[key] = measured(shown)
+    return _found[key]
+
+
+def counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
+    """Counts of a mesh that are quick to get and seldom stay the same when the mesh changes."""
+    return len(mesh.vertices), len(mesh.polygons)
+
+
+def measured(shown: bpy.types.Object) -> bool:
+    """Reads the evaluated mesh and tells whether its faces are too large."""
+    mesh = shown.to_mesh()
+    try:
+        if len(mesh.polygons) > MOST_FACES:
+            return False
+        mesh.calc_loop_triangles()
+        triangles = read_array(mesh.loop_triangles, "vertices", np.int32, 3)
+        return large_faces.are_too_large(read_array(mesh.vertices, "co", np.float32, 3), triangles)
+    finally:
+        shown.to_mesh_clear()

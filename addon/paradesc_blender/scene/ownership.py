@@ -1,0 +1,113 @@
+"""Tells what on a mesh is ours and as we left it; all else is the user's, and nothing replaces it.
+
+An attribute or vertex group is ours if a bake, or a button that copies values, has made it. Its fingerprint, kept in a
+custom property of the mesh, tells whether somebody has painted or edited it since: then it is the user's. After a
+change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values
+while they change at every frame.
+"""
+
+import itertools
+import zlib
+from collections.abc import Callable, Iterable
+
+import bpy
+import numpy as np
+
+from paradesc.files import file_names
+
+from . import arrays, record
+
+PROPERTY = "paradesc_left"
+# The length of a checksum in letters. A fingerprint consists of one for the faces and one for the values.
+LETTERS = 8
+# A function from the name of one of our attributes to its type and domain.
+KindOf = Callable[[str], tuple[str, str]]
+
+
+# ---- Fingerprints
+
+
+def fingerprints(mesh: bpy.types.Mesh) -> dict[str, str]:
+    """The fingerprints that leave() stored, by name."""
+    return {name: text for name, text in record.kept(mesh, PROPERTY).items() if isinstance(text, str)}
+
+
+def leave(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Keeps the fingerprints of attributes that have just been written. Not in edit mode."""
+    faces, found = faces_of(mesh), [mesh.attributes[name] for name in names]
+    known = [item for item in found if item.data_type in arrays.MEMBERS]
+    made = {item.name: faces + short(arrays.attribute_values(item)) for item in known}
+    keep(mesh, {**fingerprints(mesh), **made})
+
+
+def leave_weights(mesh: bpy.types.Mesh, name: str, weights: np.ndarray) -> None:
+    """Stores the fingerprint of a vertex group's (vertex_count,) weights. A colon keeps it apart from attributes."""
+    keep(mesh, {**fingerprints(mesh), f":{name}": faces_of(mesh) + short(weights)})
+
+
+def forget(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Drops the fingerprints of attributes whose values keep changing."""
+    known, gone = fingerprints(mesh) if PROPERTY in mesh else {}, set(names)
+    if gone & known.keys():
+        keep(mesh, {name: text for name, text in known.items() if name not in gone})
+
+
+def keep(mesh: bpy.types.Mesh, found: dict[str, str]) -> None:
+    """Stores fingerprints, except those of attributes that are gone."""
+    there = {name: text for name, text in found.items() if name.startswith(":") or name in mesh.attributes}
+    if there:
+        mesh[PROPERTY] = there
+    elif PROPERTY in mesh:
+        del mesh[PROPERTY]
+
+
+def faces_of(mesh: bpy.types.Mesh) -> str:
+    """The beginning of a fingerprint: how vertices and faces are connected."""
+    return short(np.array([len(mesh.vertices)]), arrays.read_corner_vertices(mesh))
+
+
+def short(*values: np.ndarray) -> str:
+    """A fast checksum of arrays. It need not be secure, as nobody paints values on purpose to match it."""
+    found = 0
+    for array in values:
+        found = zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8), found)
+    return f"{found:0{LETTERS}x}"
+
+
+def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str) -> bool:
+    """Whether values match their fingerprint. Without one, or after a change of the faces, they count as untouched."""
+    text = fingerprints(mesh).get(key, "")
+    return text[:LETTERS] != faces or text[LETTERS:] == short(values)
+
+
+def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
+    """Whether one of our attributes still has the type, domain and values that we gave it."""
+    attribute = mesh.attributes[name]
+    return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
+
+
+# ---- Names
+
+
+def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindOf, faces: str) -> str:
+    """A name under which attributes, one for each ending, are free, or ours and unchanged.
+
+    It is the name itself, or has a number appended. A later bake finds the attributes of an earlier one again.
+    """
+    ours = set(record.attributes_of(mesh))
+    taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *group_names(mesh)}
+    candidates = list(itertools.islice(file_names.numbered(name), len(taken) + 2))
+
+    def is_left(found: str) -> bool:
+        there = [found + end for end in ends if found + end in taken]
+        left = (one in ours and is_as_left(mesh, one, kind_of(one), faces) for one in there)
+        return bool(there) and all(left)
+
+    found = next(filter(is_left, candidates), None)
+    return found or next(one for one in candidates if not any(one + end in taken for end in ends))
+
+
+def group_names(mesh: bpy.types.Mesh) -> set[str]:
+    """The names of vertex groups, which attributes cannot have. Any object with the mesh knows them."""
+    user = next((item for item in bpy.data.objects if item.data == mesh), None)
+    return set() if user is None else set(user.vertex_groups.keys())

@@ -1,0 +1,66 @@
+"""Finds which detailed meshes belong to which low-poly ones: by names, else selected ones to the active one."""
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from paradesc.core import pair_names, transfer
+
+from . import mesh_io, targets
+
+Pairs = dict[bpy.types.Object, list[bpy.types.Object]]
+
+
+def chosen(context: bpy.types.Context) -> Pairs:
+    """The selected low-poly objects with their detailed ones. By names, unselected detailed objects count as well."""
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT":
+        return {}
+    selected = targets.chosen(context)
+    named = named_among(context, selected)
+    return named or ({active: selected[1:]} if len(selected) > 1 and selected[0] == active else {})
+
+
+def meant(context: bpy.types.Context) -> Pairs:
+    """The pairs, if the selection looks like one: by names, with two meshes, or if all overlap the active one.
+
+    Forty props that stand in a row are not details of one of them.
+    """
+    found = chosen(context)
+    if len(found) != 1:
+        return found
+    ((low, highs),) = found.items()
+    is_pair = len(highs) == 1 or pair_names.is_one_of_a_pair(low.name) or all(overlap(low, high) for high in highs)
+    return found if is_pair else {}
+
+
+def overlap(first: bpy.types.Object, second: bpy.types.Object) -> bool:
+    """Whether the world-space bounding boxes of two objects overlap."""
+    (low, high), (other_low, other_high) = bounds(first), bounds(second)
+    return bool((low <= other_high).all() and (other_low <= high).all())
+
+
+def bounds(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """The (3,) minimum and maximum corners of an object's world-space bounding box."""
+    corners = np.array([target.matrix_world @ Vector(corner) for corner in target.bound_box])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def named_among(context: bpy.types.Context, selected: list[bpy.types.Object]) -> Pairs:
+    """The pairs by name of which at least one object is selected."""
+    if not any(pair_names.is_one_of_a_pair(item.name) for item in selected):
+        return {}
+    named = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
+    return {low: highs for low, highs in named.items() if low in selected or set(highs) & set(selected)}
+
+
+def by_name(objects: list[bpy.types.Object]) -> Pairs:
+    """The pairs among these objects."""
+    named = {item.name: item for item in objects}
+    found = pair_names.pairs_of(named)
+    return {named[low]: [named[high] for high in highs] for low, highs in found.items()}
+
+
+def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
+    """The object as transfer takes it: as it was read, with its place in the world."""
+    return transfer.Part(target.name, read.arrays, read.measured, mesh_io.world_matrix(target))

@@ -1,0 +1,302 @@
+"""Reads an object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes.
+
+Deforming modifiers keep the object's own vertices. For others, a temporary attribute tells which of them the evaluated
+mesh has: only vertices that come through unmixed still carry it. Our own modifier, which carries values to that mesh,
+changes nothing that is measured and does not count.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import bpy
+import numpy as np
+
+from paradesc.bridge import MeshArrays
+from paradesc.core import source_kinds
+from paradesc.core.source_kinds import NAMES
+
+from . import carrying, mesh_io
+from .arrays import kind_of, read_array, read_corner_vertices
+from .curves import curves_of
+from .mesh_io import refuse
+
+# Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
+GENERATING = {
+    "ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "FLUID", "MASK", "MESH_TO_VOLUME",
+    "MIRROR", "MULTIRES", "OCEAN", "PARTICLE_INSTANCE", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE",
+    "VOLUME_TO_MESH", "WELD", "WIREFRAME",
+}  # fmt: skip
+MARK = "paradesc_origin"
+# Integers up to this are exact as 32-bit floats.
+EXACT = 1 << 24
+BASE = source_kinds.in_words(source_kinds.ORIGINAL)
+
+
+@dataclass
+class Reading:
+    """A mesh to measure, and where its results belong."""
+
+    arrays: MeshArrays
+    source: str
+    vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
+    own: bool = True  # every original vertex is among the arrays'
+    earlier: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # values of earlier bakes that are carried, by attribute
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def generated(self) -> bool:
+        """Whether modifiers created vertices other than the object's own."""
+        return self.vertices is not None or not self.own
+
+
+def check_source(source: str) -> None:
+    """Raises if there is no source of this name."""
+    if source not in NAMES:
+        raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
+
+
+def read(
+    target: bpy.types.Object,
+    source: str,
+    corner_normals: bool = False,
+    needs_uvs: bool = True,
+    base: MeshArrays | None = None,
+    former: Reading | None = None,
+    placing: bool = True,
+) -> Reading:
+    """The object's mesh from this source, in object space at the current frame. The scene stays as it is.
+
+    base, the object's own mesh as it was read, and former, the reading of the former frame, need not be read again at
+    each frame. Without placing, the places of results on the object are not looked for, and modifiers are evaluated
+    less often.
+    """
+    check_source(source)
+
+    def original() -> MeshArrays:
+        return mesh_io.read_object(target, corner_normals, needs_uvs) if base is None else base
+
+    if source == "original":
+        return Reading(original(), source)
+    if target.data.is_editmode or target.mode == "SCULPT":
+        note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
+        return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
+    if source == "deformed":
+        return read_deformed(target, original())
+    # Modifiers that are known to make vertices are evaluated only once: the marks are there by then.
+    generating = any(modifier.type in GENERATING for modifier in shown_modifiers(target))
+    marks = marks_of(target) if placing and generating and former is None else None
+    with marked(target.data, marks), evaluated_mesh(target) as mesh:
+        if same_vertices(mesh, target.data):
+            return Reading(moved(mesh, original()), source)
+        arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
+        vertices = None if marks is None else carried(mesh, marks)
+        earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
+    if former is not None and former.source == source and same_corners(former.arrays, arrays):
+        return replace(former, arrays=arrays)
+    if not placing:
+        return Reading(arrays, source, own=False)
+    return placed(arrays, origins(target) if vertices is None else vertices, earlier)
+
+
+def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
+    """The faces of base at the mesh's positions, with the mesh's normals if base has any."""
+    normals = None if base.corner_normals is None else mesh_io.read_corner_normals(mesh)
+    return replace(base, positions=mesh_io.read_positions(mesh), corner_normals=normals)
+
+
+def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
+    """Reads the object's own faces (base) at the positions to which deforming modifiers and shape keys move them."""
+    with only_deforming(target) as hidden, evaluated_mesh(target) as mesh:
+        if not same_vertices(mesh, target.data):
+            names = quoted([modifier.name for modifier in shown_modifiers(target)])
+            others = source_kinds.in_words(source_kinds.EVALUATED, source_kinds.ORIGINAL)
+            raise refuse(
+                f'The modifiers of "{target.name}" ({names}) change its faces and cannot be left out; choose the '
+                f"source {others}."
+            )
+        notes = [f"Measured without the modifiers that change the vertices: {quoted(hidden)}."] if hidden else []
+        return Reading(moved(mesh, base), "deformed", notes=notes)
+
+
+def placed(arrays: MeshArrays, vertices: np.ndarray, earlier: dict[str, np.ndarray]) -> Reading:
+    """The arrays that all modifiers made, with the places of the original vertices among them."""
+    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
+    if not len(vertices) or (vertices < 0).any():
+        return Reading(arrays, "evaluated", None, own=False, earlier=earlier, notes=notes)
+    return Reading(arrays, "evaluated", vertices, earlier=earlier, notes=notes)
+
+
+def quoted(names: list[str]) -> str:
+    """The names in quotation marks, between commas."""
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def check_maps(reading: Reading) -> None:
+    """Raises if there is a normal map but its tangents are not those of the measured mesh."""
+    maps = reading.arrays.maps
+    if maps is not None and maps.normals is not None and reading.source != "original":
+        raise refuse(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
+
+
+# ---- Evaluating
+
+
+@contextmanager
+def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """Yields the mesh after modifiers at the current frame; it exists only inside the with statement."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = target.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise refuse(
+            f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
+            f"evaluate its modifiers; enable it, or choose the source {BASE}."
+        )
+    try:
+        mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    except RuntimeError as error:
+        raise refuse(f'Blender cannot evaluate "{target.name}": {error}') from error
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+@contextmanager
+def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
+    """Temporarily hides modifiers that change vertices or faces, and always shows them again; yields their names."""
+    generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
+    hidden: list[bpy.types.Modifier] = []
+    silenced: list[bpy.types.FCurve] = []
+    try:
+        hide(generating, hidden, silenced)
+        nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
+        if nodes:
+            with evaluated_mesh(target) as mesh:
+                changed = not same_vertices(mesh, target.data)
+            if changed:
+                hide(nodes, hidden, silenced)
+        yield [modifier.name for modifier in hidden]
+    finally:
+        for modifier in hidden:
+            modifier.show_viewport = True
+        for curve in silenced:
+            curve.mute = False
+        if hidden:
+            bpy.context.view_layer.update()
+
+
+def hide(
+    modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier], silenced: list[bpy.types.FCurve]
+) -> None:
+    """Hides the modifiers and adds them to hidden; mutes what would show them again, and adds that to silenced."""
+    for modifier in modifiers:
+        for curve in showing(modifier):
+            curve.mute = True
+            silenced.append(curve)
+        modifier.show_viewport = False
+        hidden.append(modifier)
+    if modifiers:
+        bpy.context.view_layer.update()
+
+
+def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
+    """The drivers and F-curves that control a modifier's visibility and are not muted."""
+    data = modifier.id_data.animation_data
+    if data is None:
+        return []
+    path = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport'
+    curves = (*data.drivers, *curves_of(data))
+    return [curve for curve in curves if curve.data_path == path and not curve.mute]
+
+
+def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers that are enabled in the viewport, without ours."""
+    return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
+
+
+def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
+    """Whether both meshes have the same number of vertices and the same faces."""
+    return (
+        len(mesh.vertices) == len(other.vertices)
+        and len(mesh.loops) == len(other.loops)
+        and len(mesh.polygons) == len(other.polygons)
+        and np.array_equal(read_corner_vertices(mesh), read_corner_vertices(other))
+    )
+
+
+def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
+    """Whether both arrays have the same number of vertices and the same corners."""
+    return len(arrays.positions) == len(others.positions) and np.array_equal(
+        arrays.corner_vertices, others.corner_vertices
+    )
+
+
+# ---- Finding vertices again
+
+
+def origins(target: bpy.types.Object) -> np.ndarray:
+    """(original_count,) int64 first vertex of the evaluated mesh that came from each original vertex, or -1."""
+    marks = marks_of(target)
+    if marks is None:
+        return np.full(len(target.data.vertices), -1, np.int64)
+    with marked(target.data, marks), evaluated_mesh(target) as mesh:
+        return carried(mesh, marks)
+
+
+def marks_of(target: bpy.types.Object) -> np.ndarray | None:
+    """(original_count, 3) float32 marks by which vertices are recognized; None if they cannot be marked.
+
+    They cannot if floats cannot number them, or on linked meshes, whose evaluated copies get no attributes.
+    """
+    count, mesh = len(target.data.vertices), target.data
+    if count >= EXACT or mesh.library is not None or mesh.override_library is not None:
+        return None
+    marks = np.empty((count, 3), np.float32)
+    marks[:, 0] = np.arange(count)
+    marks[:, 1:] = np.random.default_rng(0).integers(1, EXACT, (count, 2))  # a mixed vertex has neither
+    return marks
+
+
+def carried(mesh: bpy.types.Mesh, marks: np.ndarray) -> np.ndarray:
+    """(original_count,) int64 first vertex of an evaluated mesh that has each mark, or -1."""
+    attribute = mesh.attributes.get(MARK)
+    if attribute is None or kind_of(attribute) != ("FLOAT_VECTOR", "POINT"):
+        return np.full(len(marks), -1, np.int64)
+    return matched(read_array(attribute.data, "vector", np.float32, 3), marks)
+
+
+def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
+    """(count,) int64 first row of carried (n, 3) that equals each row of marks (count, 3), which column 0 numbers."""
+    count = len(marks)
+    first = carried[:, 0]
+    plausible = np.isfinite(first) & (first >= 0) & (first < count)
+    index = np.where(plausible, first, 0).astype(np.int64)
+    places = np.flatnonzero(plausible & (carried == marks[index]).all(axis=1)) if count else np.empty(0, np.int64)
+    found = np.full(count, -1, np.int64)
+    found[index[places[::-1]]] = places[::-1]
+    return found
+
+
+@contextmanager
+def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
+    """Temporarily stores the marks (vertex_count, 3) on the mesh's vertices, if there are any."""
+    if marks is None:
+        yield
+        return
+    if MARK in mesh.attributes:
+        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
+    active = mesh.attributes.active_index
+    made = mesh.attributes.new(MARK, "FLOAT_VECTOR", "POINT")
+    try:
+        made.data.foreach_set("vector", marks.ravel())
+        mesh.update()
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        mesh.attributes.remove(mesh.attributes[MARK])
+        mesh.attributes.active_index = active
+        mesh.update()
+        bpy.context.view_layer.update()

@@ -1,0 +1,216 @@
+"""Finds the meshes to bake from the selection, each once, with the obstacles to that; and reads them."""
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from paradesc import bridge
+from paradesc.bridge import ParadescError, abi
+from paradesc.core import job, source_kinds, spaces
+
+from . import mesh_io, source_meshes, surface_maps
+from .arrays import read_array
+
+# The types of objects with a surface that must be converted to a mesh first.
+CONVERTIBLE = ("CURVE", "SURFACE", "FONT", "META")
+# The modes in which the mesh can be read, and which can be left and entered again.
+MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The mesh objects that a bake takes: the selected ones, active first; outside object mode, those in the mode.
+
+    If no mesh is selected, it is the active object, or the only mesh below an active armature or empty, which importers
+    make active.
+    """
+    active = context.active_object
+    if active is not None and active.type == "MESH" and active.mode == "EDIT":
+        edited = [item for item in context.view_layer.objects if item.type == "MESH" and item.mode == "EDIT"]
+        return sorted(edited, key=lambda item: item != active)
+    if active is not None and active.mode != "OBJECT":
+        return [active] if active.type == "MESH" else []
+    selected = getattr(context, "selected_objects", None)  # a script may have put them there; handlers have none
+    if selected is None:
+        selected = context.view_layer.objects.selected
+    found = [item for item in selected if item.type == "MESH"]
+    if not found and active is not None:
+        carried = [active] if active.type == "MESH" else [*active.children_recursive]
+        meshes = [item for item in carried if item.type == "MESH"]
+        return meshes if len(meshes) == 1 else []
+    return sorted(found, key=lambda item: item != active)
+
+
+def first(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The mesh object that panels and buttons refer to: the first one that a bake takes; None if there is none.
+
+    Without a window, as when timers run, there is no active object, and nobody looks at one.
+    """
+    return next(iter(chosen(context)), None) if hasattr(context, "active_object") else None
+
+
+def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected objects that a bake leaves out because they have a surface but are not meshes."""
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT":
+        return []
+    return [item for item in context.selected_objects if item.type in CONVERTIBLE]
+
+
+def kind_words(target: bpy.types.Object) -> str:
+    """The type of an object, in Blender's words."""
+    return target.bl_rna.properties["type"].enum_items[target.type].name
+
+
+def unconvertible(item: bpy.types.Object) -> str:
+    """One sentence about why a text, curve, surface or metaball object cannot be converted to a mesh, or ""."""
+    if item.library is not None or item.data.library is not None or item.override_library is not None:
+        return f'The object "{item.name}" is linked from another file; make it local first.'
+    if item.type == "META":
+        return ""  # one of a family of metaballs has the whole mesh
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    empty = mesh is None or not mesh.polygons
+    evaluated.to_mesh_clear()
+    return f'The object "{item.name}" has no faces: give the curve a bevel or an extrusion first.' if empty else ""
+
+
+def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
+    """The objects grouped by the mesh that they share."""
+    groups: dict[bpy.types.Mesh, list[bpy.types.Object]] = {}
+    for target in targets:
+        groups.setdefault(target.data, []).append(target)
+    return list(groups.values())
+
+
+def reading_obstacle(context: bpy.types.Context) -> str:
+    """One sentence about why no mesh can be read now, or ""."""
+    missing = bridge.missing_sentence()
+    if missing:
+        return missing
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
+        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
+    targets = chosen(context)
+    if not targets:
+        return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
+    for target in targets:
+        if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
+            return "Turn off Dyntopo or leave sculpt mode first"
+    return ""
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """One sentence about why nothing can be baked now, or ""."""
+    sentence = reading_obstacle(context)
+    if sentence:
+        return sentence
+    group = context.scene.paradesc
+    if not (group.write_attributes or group.write_image or group.write_buffers):
+        return "There is nothing to write: choose attributes, an image or buffers under Output"
+    found = chosen(context)
+    refused = [sentence for sentence in map(unwritable, found) if sentence] if group.write_attributes else []
+    return refused[0] if len(refused) == len(found) else ""
+
+
+def unwritable(target: bpy.types.Object) -> str:
+    """The reason why the object's mesh would not keep written values, or ""."""
+    try:
+        mesh_io.check_writable(target)
+    except ParadescError as error:
+        return error.sentence
+    return ""
+
+
+# ---- Reading
+
+
+@dataclass
+class ReadRequest:
+    """The options for reading an object, apart from those of the computation. Plain values, which survive an undo."""
+
+    shape_key: str = "basis"  # or "active"
+    maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
+    source: str = source_kinds.ORIGINAL  # or another of NAMES, or AUTOMATIC
+    buffers: bool = False  # whether the baked buffers will be written
+    placing: bool = True  # whether results will be written to the object's vertices
+    remedy: str = "measure in World"  # the remedy that a sentence suggests if the scale is ignored
+
+
+@dataclass
+class Read:
+    """One object's mesh."""
+
+    arrays: bridge.MeshArrays  # in object space, as files hold it
+    measured: bridge.MeshArrays  # the same in the space that is measured
+    reading: source_meshes.Reading  # where its results belong
+    notes: list[str]  # sentences about what was measured
+    warnings: list[str]  # about differences between the measured and the visible surface
+    map_notes: list[str]  # about the images
+
+
+def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
+    """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
+    needs_uvs = job.needs_uvs(settings, request.buffers)
+    source = request.source
+    if source == source_kinds.AUTOMATIC:
+        source = shown_source(target, request.shape_key)
+    corner_normals = settings.options.normals == "mesh"
+    reading = source_meshes.read(target, source, corner_normals, needs_uvs, placing=request.placing)
+    arrays, notes = reading.arrays, list(reading.notes)
+    if reading.source == "original":
+        notes += take_shape(target, arrays, request.shape_key)
+    map_notes = surface_maps.add_maps(target, arrays, request.maps)
+    source_meshes.check_maps(reading)
+    matrix = mesh_io.world_matrix(target)
+    measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
+    return Read(arrays, measured, reading, notes, warnings, map_notes)
+
+
+def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
+    """The source of the surface in the viewport: the base mesh unless modifiers or shape keys change it there."""
+    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
+    changes = bool(source_meshes.shown_modifiers(target)) or (shape_key == "basis" and shows_shape_key(target))
+    return source_kinds.EVALUATED if changes and evaluated else source_kinds.ORIGINAL
+
+
+def shows_shape_key(target: bpy.types.Object) -> bool:
+    """Whether the viewport shows another shape than the basis of the shape keys."""
+    keys = target.data.shape_keys
+    return keys is not None and (
+        target.show_only_shape_key or any(block.value != 0 and not block.mute for block in keys.key_blocks[1:])
+    )
+
+
+def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
+    """Takes the positions of the chosen shape key; returns a note if another shape is shown."""
+    keys = target.data.shape_keys
+    if keys is None:
+        return []
+    active = target.active_shape_key
+    key = active if shape == "active" and active is not None else keys.reference_key
+    if len(key.data) != len(arrays.positions):
+        sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
+        raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
+    arrays.positions = read_array(key.data, "co", np.float32, 3)
+    if key != keys.reference_key:
+        return [f'The shape key "{key.name}" was measured, at its full value.']
+    if shows_shape_key(target):
+        return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']
+    return []
+
+
+def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
+    """A note about which object was measured, if objects share a mesh but not its modifiers or scale."""
+    first, *others = sharing
+    if others and source != source_kinds.ORIGINAL:
+        return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured on "{first.name}".']
+    if space != "world":
+        return []
+    own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
+    if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
+        return []
+    return [
+        f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '
+        f'"{first.name}" stands in the world.'
+    ]

@@ -1,0 +1,69 @@
+"""The settings of a scene that say which mesh of an object is measured, and at which frames."""
+
+import bpy
+
+from paradesc.core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, DEFORMED, ORIGINAL, SOURCES
+from paradesc.files import cache
+
+from .properties import path_options
+
+# Files store choices as numbers.
+AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, how it is deformed")
+DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
+
+
+class PARADESC_PG_animation(bpy.types.PropertyGroup):
+    """The mesh and the frames that are measured in one scene."""
+
+    source: bpy.props.EnumProperty(
+        name="Source",
+        description="Mesh that a single bake measures",
+        items=[*SOURCES, AUTOMATIC_SOURCE],
+        default=AUTOMATIC,
+    )
+    frame_source: bpy.props.EnumProperty(
+        name="Frame Source",
+        description="Which mesh is measured at each frame",
+        items=[*SOURCES[1:], AS_SOURCE],
+        default=AS_SOURCE[0],
+    )
+    use_scene_range: bpy.props.BoolProperty(
+        name="Scene Range", description="Bake the frames from the scene's start to its end", default=True
+    )
+    frame_start: bpy.props.IntProperty(name="Start", description="First frame to bake", default=1)
+    frame_end: bpy.props.IntProperty(name="End", description="Last frame to bake", default=250)
+    frame_step: bpy.props.IntProperty(name="Step", description="Interval between baked frames", default=1, min=1)
+    cache_folder: bpy.props.StringProperty(
+        name="Cache",
+        description="Folder of the frames, which have a folder for each object; // is the folder of the .blend",
+        subtype="DIR_PATH",
+        default=DEFAULT_CACHE,
+        options=path_options(),
+    )
+    relative_to_rest: bpy.props.BoolProperty(
+        name="Change from Rest Pose",
+        description="Also the change against the original mesh, as values of their own (mean_curvature_change)",
+        default=False,
+    )
+    overwrite: bpy.props.BoolProperty(
+        name="Overwrite", description="Compute frames again that are already in the cache", default=False
+    )
+
+
+def frame_source(group: bpy.types.PropertyGroup) -> str:
+    """The source of frames in a scene; AUTOMATIC stands for one that depends on each object."""
+    chosen = group.source if group.frame_source == AS_SOURCE[0] else group.frame_source
+    return DEFORMED if chosen == ORIGINAL else chosen
+
+
+classes = (PARADESC_PG_animation,)
+
+
+def register() -> None:
+    """Adds the settings to every scene."""
+    bpy.types.Scene.paradesc_animation = bpy.props.PointerProperty(type=PARADESC_PG_animation)
+
+
+def unregister() -> None:
+    """Removes the settings."""
+    del bpy.types.Scene.paradesc_animation

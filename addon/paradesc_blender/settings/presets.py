@@ -1,0 +1,295 @@
+"""Presets for common purposes, which take one click each, and presets of the user and of a studio's shared folder."""
+
+from pathlib import Path
+
+import bpy
+
+from paradesc import bridge
+from paradesc.bridge import ParadescError
+from paradesc.files import preset_file, preset_rules
+from paradesc.files.preset_rules import PRESETS, Preset
+
+from . import preset_folders, preset_members, translation
+
+NO_NAME = "Give the preset a name."
+
+
+# The file of the preset that was chosen last, if it is not a built-in one.
+chosen: list[Path] = []
+MASKS = ("cavity", "edge_wear", "curvature", "openness")
+
+
+def masks_of(descriptors: set[str]) -> list[str]:
+    """The masks with exactly these descriptors; empty if there are others among them."""
+    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= descriptors]
+    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
+    return found if every == descriptors else []
+
+
+def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
+    """The chosen masks; empty if other descriptors are chosen as well."""
+    return masks_of(group.descriptors)
+
+
+def members() -> list[str]:
+    """Names of the settings that a preset sets, without colors and images."""
+    return list(preset_rules.setting_members())
+
+
+def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
+    """Applies a built-in preset to a scene's settings and colors; device and output stay."""
+    preset = PRESETS[name]
+    preset_members.apply(group.id_data, preset.content())
+    show_chosen(preset.label)
+    return preset
+
+
+def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
+    """Chooses a mask, and leaves all other settings as they are. A radius that is fitted follows from the mask."""
+    preset = PRESETS[name]
+    group.descriptors = preset.members["descriptors"]
+    show_chosen(preset.label)
+    return preset
+
+
+def switch_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
+    """Adds a mask to the chosen ones, or removes it if it is chosen; the last one stays."""
+    preset, chosen = PRESETS[name], chosen_masks(group)
+    left = [mask for mask in chosen if mask != name] if name in chosen else [*chosen, name]
+    if left:
+        group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in left))
+    show_chosen(preset.label)
+    return preset
+
+
+def shown_chosen() -> tuple[str, Path | None]:
+    """The label and file that show_chosen() was last given."""
+    return PARADESC_MT_presets.bl_label, chosen[0] if chosen else None
+
+
+def show_chosen(label: str, path: Path | None = None) -> None:
+    """Shows the label of the preset that was chosen last, and keeps its file for the button that removes it."""
+    PARADESC_MT_presets.bl_label = label
+    chosen[:] = [path] if path else []
+
+
+class NeedsLibrary:
+    """Base of operators that need the native library, because its descriptors are chosen."""
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Works only if the native library is available."""
+        return not bridge.missing_sentence()
+
+
+class Chooses(NeedsLibrary):
+    """Base of operators on a preset of a given name, which choose() applies in part or as a whole."""
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """The purpose of the preset, as a tooltip."""
+        return translation.tooltip(PRESETS[asked.name].purpose)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Applies the preset, and says what it is for."""
+        preset = self.choose(context.scene.paradesc, self.name)
+        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
+        return {"FINISHED"}
+
+
+class PARADESC_OT_preset(Chooses, bpy.types.Operator):
+    """Set descriptors, radius, quality and colors for a purpose"""
+
+    bl_idname = "paradesc.preset"
+    bl_label = "Apply Preset"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    name: bpy.props.EnumProperty(
+        name="Preset",
+        description="Purpose of the settings",
+        items=[(name, preset.label, preset.purpose) for name, preset in PRESETS.items()],
+    )
+    choose = staticmethod(apply)
+
+
+class PARADESC_OT_mask(Chooses, bpy.types.Operator):
+    """Choose the mask that is baked; a radius that was typed stays. Shift-click bakes several"""
+
+    bl_idname = "paradesc.mask"
+    bl_label = "Choose Mask"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    name: bpy.props.EnumProperty(
+        name="Mask",
+        description="Purpose of the values",
+        items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
+    )
+    extend: bpy.props.BoolProperty(
+        name="Extend", description="Keep the other masks", default=False, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """The purpose of the mask, and how to bake several, as a tooltip."""
+        return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
+
+    def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:
+        """Chooses this mask alone, or switches it in addition to others."""
+        return (switch_mask if self.extend else choose_mask)(group, name)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Runs the operator; with Shift it switches the mask."""
+        self.extend = event.shift
+        return self.execute(context)
+
+
+class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
+    """Set what a preset file says, which is checked first and never executed"""
+
+    bl_idname = "paradesc.load_preset"
+    bl_label = "Load Preset"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    filepath: bpy.props.StringProperty(name="File", description="The preset, a JSON file", subtype="FILE_PATH")
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """The purpose of the preset, or the reason why it cannot be used, as a tooltip."""
+        row = preset_folders.row_at(Path(asked.filepath))
+        sentence = "" if row is None else row.fault or row.purpose
+        return translation.tooltip(sentence.rstrip(".") or cls.__doc__)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Applies the preset if all of it is valid; otherwise changes nothing."""
+        path = Path(bpy.path.abspath(self.filepath))
+        try:
+            content = preset_rules.sound(path)
+        except ParadescError as error:
+            self.report({"ERROR"}, translation.said(error.sentence))
+            return {"CANCELLED"}
+        preset_members.apply(context.scene, content)
+        show_chosen(content.name, path)
+        self.report({"INFO"}, f"{content.name}: {content.purpose}".rstrip(": "))
+        return {"FINISHED"}
+
+
+class PARADESC_MT_presets(bpy.types.Menu):
+    """Settings for a purpose"""
+
+    bl_idname = "PARADESC_MT_presets"
+    bl_label = "Presets"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draws the built-in presets, the user's own, those of shared folders, and the entries to add or remove one."""
+        for name, preset in PRESETS.items():
+            self.layout.operator("paradesc.preset", text=translation.label(preset.label), translate=False).name = name
+        for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
+            rows = preset_folders.rows_in(folder)
+            if rows:
+                self.layout.separator()
+            for row in rows:
+                line = self.layout.row()
+                line.enabled = not row.fault
+                line.operator("paradesc.load_preset", text=row.name).filepath = str(row.path)
+        self.layout.separator()
+        save, take_away = translation.label("Save as Preset…"), translation.label("Remove This Preset")
+        self.layout.operator("paradesc.add_preset", text=save, translate=False, icon="ADD")
+        remove = self.layout.row()
+        remove.enabled = bool(chosen)
+        button = remove.operator("paradesc.add_preset", text=take_away, translate=False, icon="REMOVE")
+        button.remove_active = True
+
+
+class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
+    """Save these settings as a preset, or remove the preset that was chosen last"""
+
+    bl_idname = "paradesc.add_preset"
+    bl_label = "Add Preset"
+    bl_options = {"REGISTER", "INTERNAL"}
+
+    name: bpy.props.StringProperty(
+        name="Name",
+        description="Name of the preset in the menu",
+        maxlen=preset_file.LONGEST_NAME,
+        options={"SKIP_SAVE"},
+    )
+    purpose: bpy.props.StringProperty(
+        name="Purpose",
+        description="Purpose of the preset, for its tooltip; may be left empty",
+        maxlen=preset_file.LONGEST_PURPOSE,
+        options={"SKIP_SAVE"},
+    )
+    remove_name: bpy.props.BoolProperty(
+        name="Remove by Name",
+        description="Remove the preset of your own that has this name",
+        default=False,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+    remove_active: bpy.props.BoolProperty(
+        name="Remove the Last",
+        description="Remove the preset that was chosen last, if it is your own",
+        default=False,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Asks for the name of a new preset."""
+        if self.remove_name or self.remove_active:
+            return self.execute(context)
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Saves or removes a preset."""
+        try:
+            if self.remove_name or self.remove_active:
+                sentence = remove(self.name if self.remove_name else "")
+            else:
+                sentence = add(context.scene, self.name.strip(), self.purpose.strip())
+        except ParadescError as error:
+            sentence = error.sentence
+        except OSError as error:
+            sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
+        if sentence:
+            self.report({"ERROR"}, translation.said(sentence))
+        return {"CANCELLED"} if sentence else {"FINISHED"}
+
+
+def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
+    """Saves a scene's settings as a preset of the user; returns one sentence if that is impossible, else ""."""
+    if not name:
+        return NO_NAME
+    folder = preset_folders.own_folder(create=True)
+    if folder is None:
+        return "Blender has no user folder for presets."
+    path = preset_file.place_of(folder, name)
+    content = preset_members.content_of(scene, name, purpose)
+    preset_rules.check(path, content)
+    preset_file.write(path, content)
+    preset_folders.forget()
+    show_chosen(name, path)
+    return ""
+
+
+def remove(name: str) -> str:
+    """Removes a preset of the user by name, or the one chosen last; returns one sentence on failure, else ""."""
+    rows = preset_folders.rows_in(preset_folders.own_folder()) if name else []
+    paths = [row.path for row in rows if row.name == name] if name else chosen
+    if not paths:
+        return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
+    path = paths[0]
+    if not preset_folders.is_own(path):
+        return f'"{path.name}" is not one of your presets, so it is not removed.'
+    path.unlink(missing_ok=True)
+    preset_folders.forget()
+    if path in chosen:
+        show_chosen("Presets")
+    return ""
+
+
+classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
+
+
+def unregister() -> None:
+    """Forgets which preset was chosen last."""
+    show_chosen("Presets")
+    preset_folders.forget()

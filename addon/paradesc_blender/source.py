@@ -1,0 +1,234 @@
+"""Blender's scene as the commands of the command line see it: the twin of FileSource in paradesc/commands/sources.py."""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+
+from paradesc.commands.common import UsageError, saves_scene
+from paradesc.commands.file_reading import map_sources
+from paradesc.commands.sources import Opened, Subject
+from paradesc.core import job
+from paradesc.core.color_maps import Look
+from paradesc.core.standard_streams import quiet
+from paradesc.files import cache
+from paradesc.files.frame_baking import FrameRequest
+from paradesc.files.results import Baked
+
+from .animation import frames
+from .scene import delivery, mesh_io, record, scene_io, targets
+from .settings import animation, leaving, looks, preset_folders, properties
+from .settings.looks import scene_look
+
+
+class SceneSource:
+    """The open scene, or the input opened as one."""
+
+    unwraps = True
+
+    def __init__(self, arguments: argparse.Namespace, is_open: bool) -> None:
+        self.arguments, self.is_open = arguments, is_open
+        self.imported = False  # from a file that is no .blend
+
+    def open(self) -> list[str]:
+        """Opens the input, or takes the open scene; returns notes about what Blender imported."""
+        given = self.arguments.input
+        if given is not None:
+            notes = scene_io.open_scene(given, self.arguments.verbose)
+            self.imported = given.suffix.lower() != ".blend"
+            return notes
+        if not self.is_open:
+            raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
+        bpy.context.view_layer.update()  # a script may have moved objects
+        return []
+
+    # ---- Objects
+
+    def one(self, name: str | None) -> bpy.types.Object:
+        """The object of this name, the active one of a .blend, or the largest."""
+        return scene_io.choose_object(name, prefer_active=not self.imported)
+
+    def picked(self) -> Opened:
+        """The objects that --all or --object ask for, or the one that stands out."""
+        arguments = self.arguments
+        if arguments.all:
+            return Opened(*scene_io.all_objects(getattr(arguments, "source", None) or arguments.usual_source))
+        if arguments.object:
+            return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)])
+        return Opened([self.one(None)])
+
+    def everything(self) -> list[bpy.types.Object]:
+        """The scene's mesh objects."""
+        return scene_io.mesh_objects()
+
+    def described(self) -> list[bpy.types.Object]:
+        """The objects that --object names, or all but shapes of bones."""
+        named = [scene_io.find_object(name) for name in dict.fromkeys(self.arguments.object)]
+        return named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
+
+    @contextmanager
+    def detailed(self) -> Iterator[list[bpy.types.Object]]:
+        """The scene's objects, or those of --from-file, which are in the scene until the end."""
+        other = self.arguments.from_file
+        with scene_io.without_added():
+            there = scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
+            yield there
+
+    def named(self, there: list[bpy.types.Object], names: list[str]) -> list[bpy.types.Object]:
+        """The objects of these names; of another file also by the numbers that Blender adds."""
+        added = self.arguments.from_file is not None
+        return [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(names)]
+
+    def has_faces(self, target: bpy.types.Object) -> bool:
+        """Whether the object's own mesh has faces."""
+        return bool(target.data.polygons)
+
+    def triangles(self, target: bpy.types.Object) -> int:
+        """The number of triangles of an object's own mesh, before modifiers."""
+        return len(target.data.loops) - 2 * len(target.data.polygons)
+
+    def mesh_name(self, target: bpy.types.Object) -> str:
+        """The name of the object's mesh."""
+        return target.data.name_full
+
+    def subject(self, target: bpy.types.Object) -> Subject:
+        """The object as something to describe."""
+        mesh = target.data
+        facts: dict[str, object] = {
+            "object": target.name,
+            "mesh": mesh.name,
+            "renders": not target.hide_render,
+            "linked": mesh.library is not None or mesh.override_library is not None,
+            "scale": [round(float(size), 6) for size in target.matrix_world.to_scale()],
+            "modifiers": [modifier.type for modifier in target.modifiers],
+            "shape_keys": len(mesh.shape_keys.key_blocks) if mesh.shape_keys else 0,
+            "uv_maps": [layer.name for layer in mesh.uv_layers],
+            "baked": record.attributes_of(mesh),
+            "obstacle": "",
+        }
+        uvs, active = mesh_io.read_uvs(mesh), mesh.uv_layers.active
+        return Subject(
+            facts, len(mesh.vertices), len(mesh.polygons), active.name if active else None, uvs,
+            lambda: mesh_io.read_object(target, corner_normals=False, needs_uvs=False),
+        )  # fmt: skip
+
+    # ---- Meshes
+
+    def read(self, target: bpy.types.Object, settings: job.Settings) -> targets.Read:
+        """Reads the object's mesh, by --source before or after modifiers."""
+        arguments = self.arguments
+        shape = arguments.shape_key or "basis"
+        buffers = getattr(arguments, "dump_buffers", None) is not None
+        maps, remedy = map_sources(arguments), "give --space world"
+        request = targets.ReadRequest(shape, maps, arguments.source, buffers, saves_scene(arguments), remedy)
+        with quiet(arguments.verbose):
+            read = targets.read(target, settings, request)
+        read.notes += [*read.warnings, *read.map_notes]
+        return read
+
+    def read_high(self, target: bpy.types.Object, settings: job.Settings) -> targets.Read:
+        """Reads a detailed object."""
+        with quiet(self.arguments.verbose):
+            return self.read(target, settings)
+
+    def check_writable(self, chosen: list[bpy.types.Object]) -> None:
+        """Refuses objects whose meshes cannot take results."""
+        for target in chosen:
+            mesh_io.check_writable(target)
+
+    def write(self, chosen: list[bpy.types.Object], baked: list[Baked]) -> None:
+        """Writes the results to the scene; objects that share a mesh get the results of the first one."""
+        for sharing in targets.by_mesh(chosen):
+            one = baked[chosen.index(sharing[0])]
+            one.notes += delivery.deliver(sharing[0], one.results, one.reading)
+            one.notes += targets.shared_note(sharing, one.results.settings.space, one.reading.source)
+
+    def save(self, path: Path) -> None:
+        """Saves the scene as a .blend."""
+        scene_io.save_blend(path, self.arguments.verbose)
+
+    # ---- Frames
+
+    def frame_range(self) -> range:
+        """The frames of the open scene."""
+        scene = bpy.context.scene
+        return range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
+
+    def cache_folder(self) -> Path:
+        """The folder that --cache names, or one beside the .blend."""
+        if self.arguments.cache is not None:
+            return self.arguments.cache
+        if not bpy.data.filepath:
+            raise UsageError("There is no .blend to keep the frames beside; give --cache FOLDER.")
+        return Path(bpy.data.filepath).parent / cache.DEFAULT_FOLDER
+
+    @contextmanager
+    def frame_baker(self, target: bpy.types.Object, request: FrameRequest) -> Iterator[frames.FrameBaker]:
+        """Yields what bakes the object's frames; the scene is at its own frame again at the end."""
+        maps, scene = map_sources(self.arguments), bpy.context.scene
+        source = frames.source_of(target, request.source)
+        request = replace(request, source=source, maps=maps if maps.any else None)
+        with quiet(self.arguments.verbose):
+            baker = frames.FrameBaker(scene, target, request)
+        with baker, frames.frame_kept(scene), baker.evaluating():
+            yield baker
+
+    # ---- Settings
+
+    def settings(self, usual: str) -> job.Settings:
+        """The panel's settings, for --scene-settings; those that are no part of a computation go to the options.
+
+        usual: the command's own source, which tells whether it bakes frames.
+        """
+        arguments = self.arguments
+        with scene_settings() as scene:
+            group, animated = scene.paradesc, scene.paradesc_animation
+            if not arguments.source:
+                arguments.source = animated.source if usual == "original" else animation.frame_source(animated)
+            if not getattr(arguments, "relative_to_rest", True):
+                arguments.relative_to_rest = animated.relative_to_rest
+            arguments.shape_key = arguments.shape_key or group.shape_key
+            if getattr(arguments, "cage", None) is None:
+                arguments.cage = group.cage
+            has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
+            given = getattr(arguments, "material_maps", False)
+            arguments.material_maps = given or (group.material_maps and not has_files)
+            return properties.job_settings(group)
+
+    def look(self) -> Look:
+        """The scene's look, for --scene-settings."""
+        with scene_settings() as scene:
+            return scene_look(scene)
+
+    def presets(self) -> list[preset_folders.Row]:
+        """The presets of Blender's folders."""
+        return preset_folders.every_row()
+
+    def preset(self, name: str) -> preset_folders.Row | None:
+        """The preset of this name in one of Blender's folders."""
+        return preset_folders.row_named(name)
+
+
+@contextmanager
+def scene_settings() -> Iterator[bpy.types.Scene]:
+    """The open scene with the panels' settings, which are in the .blend whether or not the add-on is enabled."""
+    if hasattr(bpy.types.Scene, "paradesc"):
+        yield bpy.context.scene
+        return
+    groups = (looks.PARADESC_PG_looks, animation.PARADESC_PG_animation)
+    modules = (properties, looks, animation)
+    leaving.clear_at_end(list(groups))
+    for cls in groups:
+        bpy.utils.register_class(cls)
+    for module in modules:
+        module.register()
+    try:
+        yield bpy.context.scene
+    finally:
+        for module in modules:
+            module.unregister()
+        for cls in groups:
+            bpy.utils.unregister_class(cls)
