@@ -22,7 +22,7 @@ bake_as() {
   shift 3
   echo
   echo "== ${stem##*/}"
-  "$python" -m paradesc bake "$samples/$name.blend" --descriptors "$descriptors" "$@" \
+  "$python" "$root/addon/manual/pictures/draw.py" bake "$samples/$name.blend" --descriptors "$descriptors" "$@" \
     --output "$stem.blend" --output "$stem.png" --output "$stem.npz" --json "$stem.json"
   baked+=("$stem.blend" "$stem.png")
 }

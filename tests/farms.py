@@ -19,8 +19,6 @@ sys.path.insert(0, str(Path(__file__).parent / "addon"))
 
 from libraries import all_hash, dask_workers, make_library, process_environment, rows_of, waited_for
 from paradesc.commands import assets
-from paradesc.core import costs, job
-from paradesc.files.triangle_counts import triangles
 
 STEPS = (3, 4, 5, 6, 8)
 
@@ -62,13 +60,6 @@ def line(name: str, cores: int, report: dict, output: Path) -> str:
     return f"| {name} | {len(rows)} | {report['made']} | {shown} | {all_hash(output)[:16]} |"
 
 
-def estimates(library: Path, output: Path) -> str:
-    """Estimated beside measured seconds of all assets."""
-    estimated = sum(costs.of_asset(triangles(library / name), job.Settings()) for name in rows_of(output))
-    seconds = sum(sum(row["seconds"].values()) for row in rows_of(output).values())
-    return f"estimated {estimated:.1f} s of a core, measured {seconds:.1f} s"
-
-
 def main() -> int:
     """Prints the table; whether all ways agree."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -95,7 +86,6 @@ def main() -> int:
             name = title.replace(" ", "_").replace(",", "")
             report = by_dask(library, folder, name, workers, killed)
             say(line(title, min(workers, cores), report, folder / name))
-        say(estimates(library, folder / "one_process_one_core"))
         outputs = [path.parent for path in folder.glob("*/library.jsonl")]
         hashes = {all_hash(path) for path in outputs}
         counts = {len(rows_of(path)) for path in outputs}

@@ -102,7 +102,7 @@ in_environment() {
 # with_extras: every command, on files that trimesh makes, and with what the wheel's extra brings.
 with_extras() {
   local environment=$work/extras
-  fresh "$environment" "$(wheel_of manylinux_2_28_x86_64)[dask]" trimesh charset_normalizer || return
+  fresh "$environment" "$(wheel_of manylinux_2_28_x86_64)[farms]" trimesh charset_normalizer || return
   rm -rf "$work/extras-files" && mkdir -p "$work/extras-files" && cd "$work/extras-files" &&
     "$environment/bin/python" "$root/tests/packages/extras.py"
 }

@@ -86,10 +86,6 @@ class SceneSource:
         """Whether the object's own mesh has faces."""
         return bool(target.data.polygons)
 
-    def triangles(self, target: bpy.types.Object) -> int:
-        """The number of triangles of an object's own mesh, before modifiers."""
-        return len(target.data.loops) - 2 * len(target.data.polygons)
-
     def mesh_name(self, target: bpy.types.Object) -> str:
         """The name of the object's mesh."""
         return target.data.name_full

@@ -1,6 +1,7 @@
 """Sections on real meshes, measured against the reference: descriptors, radius, detail, charts, genus 20."""
 
 import importlib.util
+import sys
 from pathlib import Path
 
 import meshes
@@ -11,7 +12,9 @@ from sections_surfaces import LABELS
 from paradesc import bridge
 from paradesc.core import color_maps
 from paradesc.core.job import registry_row
-from paradesc.files import picture
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "addon" / "manual" / "pictures"))
+import picture
 
 MODELS = ("spot", "bob", "human", "beast", "rocker-arm", "stanford-bunny")
 # The columns of compare.py in the table of distributions.

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from conftest import command_line, completed, environment, real_mesh
-from picture_test import decode
 from shapes import ROOT, cube_sphere, write_obj
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
@@ -65,7 +64,7 @@ def read_ply(path):
 
 
 def test_one_run_writes_every_kind_of_output_and_they_agree(paradesc, sphere_obj, tmp_path):
-    outputs = [tmp_path / f"out{suffix}" for suffix in (".npz", ".ply", ".png", ".blend")]
+    outputs = [tmp_path / f"out{suffix}" for suffix in (".npz", ".ply", ".blend")]
     words = [word for path in outputs for word in ("--output", path)]
     output = accepted(
         paradesc("bake", sphere_obj, "--descriptors", ",".join(NAMES), *QUICK, *words, "--json", "report.json")
@@ -84,9 +83,7 @@ def test_one_run_writes_every_kind_of_output_and_they_agree(paradesc, sphere_obj
     assert all(np.array_equal(vertices[name], arrays[name], equal_nan=True) for name in (*NAMES, "coverage"))
     assert faces["vertices"].shape == (2 * len(cube_sphere()[1]), 3)
 
-    assert decode(outputs[2].read_bytes()).std() > 10
-
-    bpy.ops.wm.open_mainfile(filepath=str(outputs[3]))
+    bpy.ops.wm.open_mainfile(filepath=str(outputs[2]))
     target = bpy.data.objects["sphere"]
     for name in (*NAMES, "coverage"):
         assert np.array_equal(attribute_values(target.data, name), arrays[name], equal_nan=True)

@@ -1,14 +1,20 @@
 """Pictures: the PNG file, the rasterizer, and a sphere that is where it should be."""
 
 import struct
+import sys
 import zlib
 
 import numpy as np
 import pytest
 
 from paradesc.core import color_maps
-from paradesc.files import lettering, picture, png
-from shapes import as_arrays, cube_sphere
+from paradesc.files import png
+from shapes import ADDON, as_arrays, cube_sphere
+
+sys.path.append(str(ADDON / "manual" / "pictures"))
+import draw  # noqa: E402
+import lettering  # noqa: E402
+import picture  # noqa: E402
 
 SHOWN = color_maps.ValueRange(-1.0, 1.0, True)
 
@@ -143,6 +149,15 @@ def test_hundred_thousand_triangles_are_all_drawn():
     drawn = picture.Drawing(arrays.positions, arrays.triangle_vertices, picture.PANEL)
     share = len(drawn.pixels) / (picture.PANEL * picture.SUPERSAMPLING) ** 2
     assert 0.6 < share < np.pi / 4
+
+
+def test_bake_draws_a_view_of_each_descriptor(sphere_obj, tmp_path, monkeypatch):
+    monkeypatch.setattr(draw.outputs, "WRITERS", dict(draw.outputs.WRITERS))
+    words = ["--descriptors", "mean_curvature,principal_direction_max", "--radius", "0.1", "--samples", "32", "--quiet"]
+    assert draw.run(["bake", str(sphere_obj), "--reader", "files", *words, "-o", str(tmp_path / "a.png")]) == 0
+    image = decode((tmp_path / "a.png").read_bytes())
+    assert image.shape == (picture.PANEL + picture.LEGEND, 2 * picture.PANEL, 3)
+    assert image.std() > 10
 
 
 def test_numbers_are_written_with_ink():

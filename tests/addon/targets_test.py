@@ -316,6 +316,12 @@ def test_meshes_of_other_files_are_refused_and_made_local_on_request(tmp_path, m
     assert "mean_curvature" in reloaded_attributes(tmp_path, key)
 
 
+def test_live_of_an_overridden_object_can_be_chosen():
+    group = bpy.types.Object.bl_rna.properties["paradesc_live"]
+    chosen = [group, *(group.fixed_type.properties[name] for name in ("mode", "follows"))]
+    assert all(member.is_overridable for member in chosen)
+
+
 def test_a_linked_object_that_overrides_follow_is_not_made_local(tmp_path):
     origin = link_sphere(tmp_path)
     made = origin.override_create()

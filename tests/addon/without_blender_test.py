@@ -339,5 +339,5 @@ def test_tasks_of_an_animation_are_listed_for_machines_with_blender(python, tmp_
     assert done.returncode == 0, done.stderr
     found = [json.loads(line) for line in done.stdout.splitlines()]
     assert [task["command"][-1] for task in found] == ["--frames=1:10", "--frames=11:20"]
-    assert {task["cost_seconds"] for task in found} == {None}
-    assert "costs are left out" in done.stderr
+    assert {tuple(task["outputs"]) for task in found} == {("frames",)}
+    assert "outputs are the folder of all" in done.stderr

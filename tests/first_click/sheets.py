@@ -1,6 +1,7 @@
 """A picture of each asset for people to look at: Dirty, Pointiness, Cavity and Edge Wear beside each other, in flat light."""
 
 import math
+import sys
 import tempfile
 from pathlib import Path
 
@@ -10,7 +11,10 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image
 
-from paradesc.files import lettering, png
+from paradesc.files import png
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "addon" / "manual" / "pictures"))
+import lettering
 
 SIZE, LABEL = 400, 28
 WORDS = (225, 225, 225)

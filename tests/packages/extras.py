@@ -1,6 +1,6 @@
 """What a new user does with files of every kind, and with a library on Dask, without Blender.
 
-Run in an empty folder by the Python of an environment with paradesc[dask], and with trimesh, which makes files.
+Run in an empty folder by the Python of an environment with paradesc[farms], and with trimesh, which makes files.
 """
 
 import json
@@ -72,4 +72,4 @@ if __name__ == "__main__":
     make_files()
     check_commands()
     check_library()
-    sys.stdout.write(f"paradesc[dask]: numpy {np.__version__}, trimesh {trimesh.__version__}\n")
+    sys.stdout.write(f"paradesc[farms]: numpy {np.__version__}, trimesh {trimesh.__version__}\n")

@@ -3,14 +3,16 @@
 from pathlib import Path
 
 import bpy
+import lettering
 import numpy as np
+import picture
 import studio
 import subjects
 from PIL import Image
 
 from paradesc.bridge import descriptors as registry
 from paradesc.core import color_maps
-from paradesc.files import lettering, picture, png
+from paradesc.files import png
 
 # Lines along a direction, in lengths of the monkey.
 LINE_LENGTH, LINE_WIDTH, LINE_LIFT, LINE_DISTANCE = 0.07, 0.012, 0.006, 0.05

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import picture
 import screen
-
-from paradesc.commands.main import main as run
-from paradesc.files import picture
+from draw import run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
 import models

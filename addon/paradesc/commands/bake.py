@@ -48,7 +48,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_output_files(bake)
     add_look_options(bake)
     add = bake.add_argument
-    places = "measure at vertices (default), or at the middles of faces (.vtp, .vtk, .ply, .npz, .png)"
+    places = "measure at vertices (default), or at the middles of faces (.vtp, .vtk, .ply, .npz)"
     add("--domain", choices=DOMAINS, help=places)
     threshold = "corners have at least this share of the largest response (default: 0.05)"
     add("--corner-threshold", type=float, metavar="T", help=threshold)

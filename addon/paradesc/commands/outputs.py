@@ -18,21 +18,19 @@ WRITERS: dict[str, Callable[[Path, Baked], None]] = {
     ".ply": results.write_ply,
     ".vtp": vtk_files.write_vtp,
     ".vtk": vtk_files.write_vtk,
-    ".png": results.write_picture,
     ".gii": neuro_files.write_gifti,
     ".curv": neuro_files.write_curv,
 }
-OF_FACES = (".npz", ".ply", ".vtp", ".vtk", ".png")
+OF_FACES = (".npz", ".ply", ".vtp", ".vtk")
 PNG_RANGES = ("values", "colors")
-OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 
 
 def add_output_files(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
     output = (
-        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .gii (GIFTI) or .curv (FreeSurfer, of one descriptor), .png "
-        "(picture) or .exr (image over the UV map); give it again for more"
+        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .gii (GIFTI), .curv (FreeSurfer, of one descriptor) or "
+        ".exr (image over the UV map); give it again for more"
     )
     image = (
         "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor); of "
@@ -53,8 +51,12 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
 
 def check_files(arguments: argparse.Namespace) -> None:
     """Refuses outputs that cannot be written, before any file is opened."""
-    for paths, suffixes in ((arguments.output, OUTPUT_SUFFIXES), (arguments.map, maps.SUFFIXES)):
+    outputs = (".npz", *WRITERS, ".exr", ".blend")
+    for paths, suffixes in ((arguments.output, outputs), (arguments.map, maps.SUFFIXES)):
         for path in paths:
+            if path.suffix.lower() == ".png" and ".png" not in suffixes:
+                shown = "ParaView and PyVista draw a mesh with its values from a .vtp"
+                raise UsageError(f'"{path}" would be an image over the UV map, which --map writes; {shown}.')
             if path.suffix.lower() not in suffixes:
                 raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
     check_tile_names(arguments)

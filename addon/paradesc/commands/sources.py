@@ -84,9 +84,6 @@ class Source(Protocol):
     def has_faces(self, target: Target) -> bool:
         """Whether the object has faces."""
 
-    def triangles(self, target: Target) -> int:
-        """The number of triangles of an object's own mesh, before modifiers."""
-
     def mesh_name(self, target: Target) -> str:
         """The name of the object's mesh; objects that share a mesh have the same."""
 
@@ -144,10 +141,6 @@ class FileSource:
     def has_faces(self, _mesh: FileMesh) -> bool:
         """Meshes of files always have some."""
         return True
-
-    def triangles(self, mesh: FileMesh) -> int:
-        """The number of triangles."""
-        return len(mesh.arrays.triangle_corners)
 
     def mesh_name(self, mesh: FileMesh) -> str:
         """The mesh is the object."""

@@ -131,7 +131,7 @@ def connected(address: str) -> "Client":
     try:
         from distributed import Client
     except ImportError as error:
-        sentence = "Dask is not installed here; pip install paradesc[dask]."
+        sentence = "Dask is not installed here; pip install paradesc[farms]."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     try:
         where = {"scheduler_file": address} if address.endswith(".json") else {"address": address}

@@ -1,7 +1,7 @@
 """paradesc tasks: lists the tasks into which another command divides, for engines that share them out over machines.
 
 A line of JSON for each: name, stage (those of a stage run in any order, once the stage before is done), command (the
-words to run), input, outputs, and cost_seconds of one core.
+words to run), input and outputs.
 """
 
 import argparse
@@ -14,10 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..bridge import InputError, ParadescError
-from ..core import costs, job
 from ..files import cache, results
 from ..files.results import folder_fault, write_whole
-from ..files.triangle_counts import triangles
 from . import animate, animate_files, assets, bundles, library
 from .common import Parser, UsageError, add_output_options, check_outputs, has_blender
 from .options import opened_settings, settings_of
@@ -84,11 +82,8 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         print(f"note: {sentence}", file=sys.stderr)  # the standard output may be the list
     for path in written:
         print(f"wrote {path}")
-    seconds = [task["cost_seconds"] for task in listed.tasks]
-    known = None if None in seconds else sum(seconds)
     return {
         "tasks": len(listed.tasks),
-        "cost_seconds": known,
         "outputs": [str(path) for path in written],
         "notes": listed.notes,
         "warnings": [],
@@ -170,8 +165,6 @@ class Scene:
     frames: Sequence[int]
     root: Path  # of all frames
     folders: list[Path]  # of the frames of each object
-    triangles: int | None
-    settings: job.Settings
     note: str = ""
 
 
@@ -182,9 +175,6 @@ def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.
     tasks = []
     for frames in chunks(scene.frames, chunk):
         text = written_frames(frames)
-        cost = None
-        if scene.triangles is not None:
-            cost = costs.of_frames(scene.triangles, len(frames), scene.settings)
         outputs = [str(cache.frame_path(folder, frame)) for folder in scene.folders for frame in frames]
         tasks.append(
             {
@@ -193,7 +183,6 @@ def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.
                 "command": [*start, f"--frames={text}"],  # the first frame may be negative
                 "input": str(parsed.input),
                 "outputs": outputs or [str(scene.root)],
-                "cost_seconds": cost,
             }
         )
     parameters = {"Scene": absolute(parsed.input), "Cache": absolute(scene.root), "FramesPerTask": chunk}
@@ -232,7 +221,7 @@ def absolute(path: Path) -> str:
 
 
 def scene_of(parsed: argparse.Namespace) -> Scene:
-    """Opens the scene for its frames, objects and triangles. Without Blender, the options have to supply them."""
+    """Opens the scene for its frames and objects. Without Blender, the options have to supply them."""
     frames = animate.parse_frames(parsed.frames)
     try:
         source = source_of(parsed)
@@ -241,12 +230,12 @@ def scene_of(parsed: argparse.Namespace) -> Scene:
     except (ParadescError, InputError):
         if has_blender() or frames is None or parsed.cache is None:
             raise
-        note = "Without Blender's module bpy nobody knows the objects: costs are left out."
-        return Scene(frames, parsed.cache, [], None, settings_of(parsed), note)
-    settings = opened_settings(parsed)
+        note = "Without Blender's module bpy nobody knows the objects: outputs are the folder of all."
+        return Scene(frames, parsed.cache, [], note)
+    opened_settings(parsed)  # which are refused here if they make no sense
     root = source.cache_folder()
     folders = [cache.object_folder(root, target.name) for target in objects]
-    return Scene(frames or source.frame_range(), root, folders, sum(map(source.triangles, objects)), settings)
+    return Scene(frames or source.frame_range(), root, folders)
 
 
 def sequence_of(parsed: argparse.Namespace) -> Scene:
@@ -255,8 +244,8 @@ def sequence_of(parsed: argparse.Namespace) -> Scene:
     frames = animate_files.wanted(meshes, animate.parse_frames(parsed.frames))
     root = animate_files.cache_folder(parsed)
     folders = [cache.object_folder(root, mesh.name) for mesh in meshes]
-    count = sum(len(mesh.first.arrays.triangle_corners) for mesh in meshes)
-    return Scene(list(frames), root, folders, count, opened_settings(parsed))
+    opened_settings(parsed)
+    return Scene(list(frames), root, folders)
 
 
 # ---- Assets
@@ -282,7 +271,6 @@ def assets_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.
             "command": start,
             "input": str(parsed.input),
             "outputs": [str(parsed.output / library.LISTING)],
-            "cost_seconds": costs.STARTING + costs.KEPT * len(names),
         }
     )
     parameters = {"Library": absolute(parsed.input), "Output": absolute(parsed.output), "Parts": parts}
@@ -293,7 +281,6 @@ def asset_task(
     command: list[str], parsed: argparse.Namespace, work: assets.Work, names: list[str]
 ) -> dict[str, object]:
     """The task that computes these assets."""
-    seconds = [costs.of_asset(triangles(parsed.input / name), work.settings) for name in names]
     where = [path(work, name) for name in names for path in (assets.results_path, assets.row_path)]
     return {
         "name": names[0] if len(names) == 1 else f"{command[-2].removeprefix('--part=')}: {len(names)} assets",
@@ -301,5 +288,4 @@ def asset_task(
         "command": command,
         "input": str(parsed.input / names[0] if len(names) == 1 else parsed.input),
         "outputs": [str(parsed.output / path.relative_to(work.output)) for path in where],
-        "cost_seconds": costs.STARTING + sum(seconds),
     }

@@ -1,4 +1,4 @@
-"""Writes what a bake left behind as files: .npz, .ply, .png and a JSON report. Never imports bpy."""
+"""Writes what a bake left behind as files: .npz, .ply and a JSON report. Never imports bpy."""
 
 import json
 import math
@@ -16,7 +16,6 @@ from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
 from ..core.distributions import statistics
 from ..core.job import Results, Transfer
-from . import picture, png
 from .paths import name_fault
 
 # File names may contain bytes that are not valid text; this error handler lets JSON write them.
@@ -111,21 +110,6 @@ def table_of(columns: dict[str, np.ndarray]) -> np.ndarray:
     for name, column in columns.items():
         table[name] = column
     return table
-
-
-def write_picture(path: Path, baked: Baked) -> None:
-    """Writes a PNG with one view for each descriptor, in world space."""
-    matrix = baked.matrix_world
-    points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-    triangles, times = baked.arrays.triangle_vertices, 1
-    if baked.at_faces:  # each triangle has its own vertices, which have its color
-        points, triangles, times = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3), 3
-    views = []
-    for name in baked.results.values:
-        shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
-        colors = np.repeat(baked.colors(name), times, axis=0)
-        views.append(picture.View(colors, legend.title(name, baked.unit(name)), shown))
-    png.write_png(path, picture.compose(points, triangles, views))
 
 
 def write_npz_of_all(path: Path, baked: list[Baked]) -> None:

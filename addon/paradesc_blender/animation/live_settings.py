@@ -111,6 +111,10 @@ def follow(group: bpy.types.PropertyGroup, wanted: bool) -> None:
     group.mode = "LIVE" if wanted else "OFF"
 
 
+# Characters are linked and overridden in studios, and their objects keep what is chosen for them.
+OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+
+
 class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     """Live mode of one object."""
 
@@ -120,12 +124,14 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
         items=MODES,
         default="OFF",
         update=mode_changed,
+        override=OVERRIDABLE,
     )
     follows: bpy.props.BoolProperty(
         name="Live",
         description="Values follow the animation, edits and renders: the mode Live, as one switch",
         get=follows,
         set=follow,
+        override=OVERRIDABLE,
     )
     sentence: bpy.props.StringProperty(name="Message", description="Reason why live values were switched off")
 
@@ -136,7 +142,7 @@ classes = (PARADESC_PG_live_range, PARADESC_PG_live, PARADESC_PG_live_object)
 def register() -> None:
     """Gives scenes and objects their settings."""
     bpy.types.Scene.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live)
-    bpy.types.Object.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live_object)
+    bpy.types.Object.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live_object, override=OVERRIDABLE)
 
 
 def unregister() -> None:

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+import lettering
 import numpy as np
 
-from ..core import color_maps, legend
-from . import lettering
+from paradesc.core import color_maps, legend
 
 BACKGROUND = 0.93
 INK = (60, 60, 60)
