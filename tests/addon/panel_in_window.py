@@ -74,7 +74,6 @@ def steps(target: bpy.types.Object, folder: Path) -> Iterator[None]:
     target.scale = (2, 1, 1)
     target.paradesc_live.mode = "LIVE"
     target.data.shape_keys or target.shape_key_add(name="Basis")
-    settings.write_image = settings.write_buffers = True
     bpy.context.scene.paradesc_looks.span = "percentile"
     bpy.context.scene.paradesc_animation.use_scene_range = False
     for language in [name for name in LANGUAGES if name in bpy.app.translations.locales]:

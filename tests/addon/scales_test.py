@@ -163,16 +163,13 @@ def prepare(state):
     """A scene in which the panels have much to say."""
     small_bake()
     settings, looks = bpy.context.scene.paradesc, bpy.context.scene.paradesc_looks
-    settings.write_image = settings.write_buffers = True
     if state == "new":
         return
     target = add_sphere()
     target.scale = (2, 1, 1)
     target.shape_key_add(name="Basis")
     settings.descriptors, settings.radius_percent = {"principal_curvature_min", "harris"}, 1.0
-    settings.write_image = settings.write_buffers = False
     bpy.ops.paradesc.bake()
-    settings.write_image = settings.write_buffers = True
     if state == "sculpting":
         bpy.ops.object.mode_set(mode="SCULPT")
     if state == "live":

@@ -51,9 +51,10 @@ paradesc_blender.register()
 target = add_sphere(steps=4)
 settings = small_bake()
 settings.descriptors = {{"mean_curvature", "harris"}}
-settings.write_image = settings.write_buffers = True
-settings.image_path, settings.buffers_path = {image!r}, {buffers!r}
 assert bpy.ops.paradesc.bake() == {{"FINISHED"}}
+bpy.ops.wm.save_as_mainfile(filepath={blend!r})
+settings.texels, settings.descriptors = 32, {{"mean_curvature"}}
+assert bpy.ops.paradesc.bake_image() == {{"FINISHED"}}
 bpy.context.scene.paradesc_animation.cache_folder = {cache!r}
 bpy.context.scene.frame_end = 2
 assert bpy.ops.paradesc.bake_frames() == {{"FINISHED"}}
@@ -116,7 +117,7 @@ def test_only_the_bridge_loads_libraries_and_by_absolute_path():
 
 @pytest.fixture(scope="module")
 def watched(tmp_path_factory):
-    """What a bake with an image, buffers and frames did, in a process with an empty home and decoys around it."""
+    """What a bake, images and frames did, in a process with an empty home and decoys around it."""
     pytest.importorskip("bpy", reason="needs Blender")
     from processes import script_words
 
@@ -128,7 +129,7 @@ def watched(tmp_path_factory):
     (folder / "decoy" / "libparadesc.so").write_bytes(b"not a library")
     (folder / "decoy" / "libOpenMeshCore.so.9.0").write_bytes(b"not a library")
     words = {"addon": str(ADDON), "numpy": str(Path(np.__file__).parents[1]), "tests": str(Path(__file__).parent)}
-    words.update(image=str(folder / "asked" / "image.exr"), buffers=str(folder / "asked" / "buffers"))
+    words.update(blend=str(folder / "asked" / "shot.blend"))
     words.update(cache=str(folder / "asked" / "frames"), report=str(folder / "watched.json"))
     script = folder / "watch.py"
     script.write_text(WATCH.format(**words))
@@ -154,7 +155,7 @@ def test_a_bake_writes_only_where_the_user_said(watched):
     allowed = (str(folder / "asked"), str(folder / "user"), "/dev/null")
     assert seen["written"], "nothing was watched"
     assert not [path for path in seen["written"] if not path.startswith(allowed)]
-    assert (folder / "asked" / "image.exr").is_file()
+    assert list((folder / "asked").glob("sphere_*.png"))
     assert {path.name for path in (folder / "decoy").iterdir()} == {"libparadesc.so", "libOpenMeshCore.so.9.0"}
 
 

@@ -332,17 +332,6 @@ def test_a_linked_object_that_overrides_follow_is_not_made_local(tmp_path):
     assert made.override_library.reference == origin
 
 
-def test_linked_meshes_are_measured_into_images_as_they_are(tmp_path):
-    target = link_sphere(tmp_path)
-    settings = bpy.context.scene.paradesc
-    settings.write_attributes, settings.write_image, settings.texels = False, True, 64
-    settings.image_path = str(tmp_path / "linked.exr")
-    assert bpy.ops.paradesc.bake() == {"FINISHED"}
-    assert (tmp_path / "linked.exr").is_file()
-    assert target.library is not None
-    assert "mean_curvature" not in target.data.attributes
-
-
 def test_nothing_to_make_local_is_said_by_the_poll():
     add_spheres("ball")
     with pytest.raises(RuntimeError, match="poll"):

@@ -150,35 +150,3 @@ def test_cancelled_between_tiles_nothing_is_left(folder):
         cancel_at(batch, fraction)
         assert pngs_in(folder) == []
         assert not bpy.data.images
-
-
-# ---- Image over UV Map
-
-
-@pytest.mark.parametrize(("path", "stem"), [("//out", "out"), ("//out.<UDIM>", "out"), ("//out.<UDIM>.exr", "out")])
-@pytest.mark.parametrize("suffix", [".exr", ".png"])
-def test_images_over_the_map_have_a_file_for_each_tile(folder, settings, path, stem, suffix):
-    settings.write_image, settings.image_path, settings.image_format = True, path, suffix
-    assert bpy.ops.paradesc.bake() == {"FINISHED"}
-    assert pngs_in(folder) == [f"{stem}.{tile}{suffix}" for tile in SIX]
-
-
-def test_images_over_a_map_across_borders_come_with_a_note_and_span_one_range(folder, settings, capfd):
-    settings.write_image, settings.image_path, settings.image_format = True, "//out", ".png"
-    settings.evaluate = "texel"
-    in_tiles(bpy.data.objects["ball"], (1, 1), (0.4, 0))
-    add_sphere("b", steps=4)
-    bpy.ops.object.select_all(action="SELECT")
-    assert bpy.ops.paradesc.bake() == {"FINISHED"}
-    tiles = [1001, 1002, 1003, 1004, 1011, 1012, 1013, 1014]
-    assert pngs_in(folder) == ["out_b.png", *names_of("out_ball", tiles)]
-    texts = [decode16((folder / name).read_bytes())[1] for name in names_of("out_ball", tiles)]
-    assert all(text == texts[0] for text in texts)
-    assert "cross the borders of UDIM tiles" in capfd.readouterr().out
-
-
-def test_an_image_over_a_map_in_the_first_tile_has_its_number_if_asked_for(folder, settings):
-    settings.write_image, settings.image_path = True, "//out_<UDIM>"
-    in_tiles(bpy.data.objects["ball"], (1 / 3, 1 / 2))
-    bpy.ops.paradesc.bake()
-    assert pngs_in(folder) == ["out_1001.exr"]

@@ -209,24 +209,6 @@ def method_members() -> dict[str, Member]:
 def output_members() -> dict[str, Member]:
     """The settings for outputs."""
     return {
-        "write_attributes": member(
-            "bool", name="Attributes",
-            description="Store values and colors on the mesh as attributes of its vertices",
-            default=True,
-        ),
-        "write_image": member(
-            "bool", name="Image over UV Map",
-            description="Write the values as an image over the mesh's UV map", default=False
-        ),
-        "image_format": member(
-            "choice", name="Format", description="Kind of image file", items=IMAGE_FORMATS, default=".exr"
-        ),
-        "image_path": member(
-            "text", name="Image",
-            description="Path of the image; the suffix follows the format, and for several meshes the name of each is "
-            "added",
-            default="//paradesc.exr", subtype="FILE_PATH",
-        ),
         **options("output"),
         "image_outside": member(
             "choice", name="Outside",
@@ -249,17 +231,21 @@ def output_members() -> dict[str, Member]:
             "to both sides; 0 is a tenth of its diagonal",
             default=0.0, min=0.0, precision=4, subtype="DISTANCE",
         ),
-        "write_buffers": member(
-            "bool", name="Baked Buffers",
-            description="Write positions, normals, charts, seams and distortion as pictures and raw values",
-            default=False,
-        ),
-        "buffers_path": member(
-            "text", name="Folder",
-            description="Folder of the buffers; for several meshes, the name of each is added",
-            default="//paradesc_buffers", subtype="DIR_PATH",
-        ),
+        **kept_members(),
     }  # fmt: skip
+
+
+def kept_members() -> dict[str, Member]:
+    """Settings of earlier versions, which files and scripts may set. None has an effect."""
+    hidden = {"description": "Has no effect; Bake to Image and the command line write files", "options": {"HIDDEN"}}
+    return {
+        "write_attributes": member("bool", name="Attributes", default=True, **hidden),
+        "write_image": member("bool", name="Image over UV Map", default=False, **hidden),
+        "image_format": member("choice", name="Format", items=IMAGE_FORMATS, default=".exr", **hidden),
+        "image_path": member("text", name="Image", default="//paradesc.exr", subtype="FILE_PATH", **hidden),
+        "write_buffers": member("bool", name="Baked Buffers", default=False, **hidden),
+        "buffers_path": member("text", name="Folder", default="//paradesc_buffers", subtype="DIR_PATH", **hidden),
+    }
 
 
 def color_members() -> dict[str, Member]:

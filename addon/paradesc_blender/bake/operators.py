@@ -71,10 +71,7 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
         self.show_levels(context.scene.paradesc_looks)
         if not self.report_pieces(batch):
             return {"CANCELLED"}
-        if batch.write_attributes:
-            viewports.reveal(context)
-        for path in [path for piece in batch.written for path in piece.placed]:
-            self.report({"INFO"}, translation.said("Wrote {path}").format(path=path))
+        viewports.reveal(context)
         self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch) + skipped_clause(self.skipped))
         return {"FINISHED"}
 

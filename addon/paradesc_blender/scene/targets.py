@@ -105,11 +105,8 @@ def obstacle(context: bpy.types.Context) -> str:
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
-    group = context.scene.paradesc
-    if not (group.write_attributes or group.write_image or group.write_buffers):
-        return "There is nothing to write: choose attributes, an image or buffers under Output"
     found = chosen(context)
-    refused = [sentence for sentence in map(unwritable, found) if sentence] if group.write_attributes else []
+    refused = [sentence for sentence in map(unwritable, found) if sentence]
     return refused[0] if len(refused) == len(found) else ""
 
 

@@ -32,7 +32,7 @@ def property_of(member: Member, **more: object) -> object:
     if member.kind == "choices":
         words["options"] = {"ENUM_FLAG"}
     elif words.get("subtype") in PATHS:
-        words["options"] = path_options()
+        words["options"] = words.get("options", set()) | path_options()
     return PROPERTIES[member.kind](**words)
 
 

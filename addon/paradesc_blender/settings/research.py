@@ -15,7 +15,6 @@ RESEARCH = {
     "paradesc": (
         *(row.name for row in bridge.TABLE if row.research or row.panel == "method"),
         *("corner_threshold", "more_radii", "material_maps"),
-        *("write_attributes", "write_image", "image_format", "image_path", "write_buffers", "buffers_path"),
     ),
     "paradesc_looks": ("symmetric", "use_neutral", "neutral", "pack_name", "pack_kind", "pack_domain"),
     "paradesc_animation": ("frame_source", "relative_to_rest"),
@@ -23,9 +22,6 @@ RESEARCH = {
 }
 # These settings have an effect only while another one is on.
 PARTS = {
-    "image_format": "write_image",
-    "image_path": "write_image",
-    "buffers_path": "write_buffers",
     "neutral": "use_neutral",
 }
 

@@ -53,7 +53,6 @@ class WearJob(Steps):
         fine = [target for target in chosen if target not in coarse]
         try:
             group.descriptors, group.more_radii = set(wear.MASKS.values()), ""
-            group.write_attributes, group.write_image, group.write_buffers = True, False, False
             group.image_packed, group.image_to_material = False, True
             self.batches = [
                 batch_of(kind, context, found) for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)) if found

@@ -1,4 +1,4 @@
-"""The panels of settings: descriptors, neighborhood, quality and device; and for research, method and output."""
+"""The panels of settings: descriptors, neighborhood, quality and device; and for research, method."""
 
 import bpy
 from mathutils import Vector
@@ -132,29 +132,6 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
             setting(row, settings, name)
 
 
-class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
-    """The places of results"""
-
-    bl_label = "Output"
-    bl_idname = "PARADESC_PT_output"
-    bl_order = 30
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Works only if research settings are shown."""
-        return super().poll(context) and preferences.shows_research()
-
-    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws attributes, images and buffers, each with its options."""
-        setting(layout, settings, "write_attributes")
-        for name, parts in (("write_image", ("image_format", "image_path")), ("write_buffers", ("buffers_path",))):
-            setting(layout, settings, name)
-            if getattr(settings, name):
-                column = layout.column(align=True)
-                for part in parts:
-                    setting(column, settings, part)
-
-
 def device_words(name: str) -> str:
     """The name of a device with its kind translated."""
     kind, colon, rest = name.partition(": ")
@@ -200,5 +177,4 @@ classes = (
     PARADESC_PT_neighborhood,
     PARADESC_PT_quality,
     PARADESC_PT_method,
-    PARADESC_PT_output,
 )
