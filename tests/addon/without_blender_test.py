@@ -18,16 +18,17 @@ COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
 
 @pytest.fixture
 def python(tmp_path):
-    """Runs a Python whose path has only numpy and the add-on."""
+    """Runs a Python whose path has only numpy and the package, as a wheel installs it."""
     modules = tmp_path / "modules"
     modules.mkdir()
     for path in Path(np.__file__).parents[1].glob("numpy*"):
         (modules / path.name).symlink_to(path)
+    (modules / "paradesc").symlink_to(ADDON / "paradesc")
 
     def run(*words):
         return subprocess.run(
             [sys.executable, "-S", *words],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (modules, ADDON))), "PYTHONNOUSERSITE": "1"},
+            env={**os.environ, "PYTHONPATH": str(modules), "PYTHONNOUSERSITE": "1"},
             cwd=tmp_path,
             capture_output=True,
             text=True,
@@ -83,8 +84,8 @@ def test_a_file_that_only_blender_opens_says_so_in_one_sentence(python, tmp_path
     done = python("-m", "paradesc", "bake", "scene.blend", "--output", "out.npz")
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr == (
-        'paradesc: Blender\'s Python module bpy is not installed here to open "scene.blend"; pip install bpy, or give '
-        "one of .obj, .ply, .stl, .glb, .gltf, .off, .vtp, .vtk, .gii, .white, .pial, .smoothwm, .inflated, .orig, "
+        'paradesc: Blender\'s Python module bpy is not installed here to open "scene.blend"; pip install bpy and '
+        "put the folder that holds paradesc_blender on PYTHONPATH, or give one of .obj, .ply, .stl, .glb, .gltf, .off, .vtp, .vtk, .gii, .white, .pial, .smoothwm, .inflated, .orig, "
         ".sphere.\n"
     )
 

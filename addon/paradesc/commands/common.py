@@ -26,6 +26,7 @@ LINE_STEP = 0.05
 # What reaches Blender's scene: an enabled add-on adds its class SceneSource; else this package, where Python finds it, has one.
 BLENDER: list[type] = []
 BLENDER_PART = "paradesc_blender"
+ADDON_REMEDY = f"put the folder that holds {BLENDER_PART} on PYTHONPATH"
 
 
 class UsageError(Exception):
@@ -105,11 +106,10 @@ def has_blender() -> bool:
 
 def lacking() -> tuple[str, str] | None:
     """Why Blender cannot be used here, and what to do; None if it can."""
+    remedy = "" if BLENDER or importlib.util.find_spec(BLENDER_PART) else ADDON_REMEDY
     if "bpy" not in sys.modules and importlib.util.find_spec("bpy") is None:
-        return "Blender's Python module bpy is not installed here", "pip install bpy"
-    if not BLENDER and importlib.util.find_spec(BLENDER_PART) is None:
-        return "Paradesc's add-on for Blender is not here", f"put the folder that holds {BLENDER_PART} on PYTHONPATH"
-    return None
+        return "Blender's Python module bpy is not installed here", " and ".join(filter(None, ["pip install bpy", remedy]))
+    return ("Paradesc's add-on for Blender is not on Python's path", remedy) if remedy else None
 
 
 def open_file() -> Path | None:
