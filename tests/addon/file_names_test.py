@@ -8,9 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.files import cache, file_names, marks  # noqa: E402
-from paradesc_blender.bake import pieces  # noqa: E402
 from paradesc_blender.settings import preset_folders  # noqa: E402
-from scene import add_sphere  # noqa: E402
 from writers import bake_image, file  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -54,16 +52,6 @@ def test_names_that_some_file_system_takes_for_one_are_kept_apart():
     assert found[0] == "Wall_001"
     assert max(len(name.encode()) for name in found) < 200
     assert file_names.distinct(names) == found
-
-
-def test_the_same_object_has_the_same_word_in_whatever_selection():
-    for name in ("Wall 001", "Wall.001", "wall_001"):
-        add_sphere(name, steps=1)
-    first, second, linked = ("Wall.001", None), ("Wall 001", None), ("Wall.001", "//library.blend")
-    whole = pieces.file_words([first, second])
-    assert pieces.file_words([second]) == whole[1:]
-    assert pieces.file_words([second, first]) == whole[::-1]
-    assert len(set(pieces.file_words([linked, first, second]))) == 3
 
 
 def test_a_linked_object_of_the_same_name_has_textures_of_its_own(target, folder):

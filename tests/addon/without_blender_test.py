@@ -85,7 +85,8 @@ def test_a_file_that_only_blender_opens_says_so_in_one_sentence(python, tmp_path
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr == (
         'paradesc: Blender\'s Python module bpy is not installed here to open "scene.blend"; pip install bpy and '
-        "put the folder that holds paradesc_blender on PYTHONPATH, or give one of .obj, .ply, .stl, .glb, .gltf, .off, .vtp, .vtk, .gii, .white, .pial, .smoothwm, .inflated, .orig, "
+        "put the folder that holds paradesc_blender on PYTHONPATH, or give "
+        "one of .obj, .ply, .stl, .glb, .gltf, .off, .vtp, .vtk, .gii, .white, .pial, .smoothwm, .inflated, .orig, "
         ".sphere.\n"
     )
 

@@ -23,7 +23,7 @@ EXIT_TERMINATED = 143  # SIGTERM
 PROGRESS = ("auto", "lines", "openjd", "off")
 # Lines of --progress lines and openjd are at least this share of the work apart.
 LINE_STEP = 0.05
-# What reaches Blender's scene: an enabled add-on adds its class SceneSource; else this package, where Python finds it, has one.
+# What reaches Blender's scene: an enabled add-on adds its class SceneSource; else this package has one, if it is there.
 BLENDER: list[type] = []
 BLENDER_PART = "paradesc_blender"
 ADDON_REMEDY = f"put the folder that holds {BLENDER_PART} on PYTHONPATH"
@@ -108,7 +108,8 @@ def lacking() -> tuple[str, str] | None:
     """Why Blender cannot be used here, and what to do; None if it can."""
     remedy = "" if BLENDER or importlib.util.find_spec(BLENDER_PART) else ADDON_REMEDY
     if "bpy" not in sys.modules and importlib.util.find_spec("bpy") is None:
-        return "Blender's Python module bpy is not installed here", " and ".join(filter(None, ["pip install bpy", remedy]))
+        remedies = filter(None, ["pip install bpy", remedy])
+        return "Blender's Python module bpy is not installed here", " and ".join(remedies)
     return ("Paradesc's add-on for Blender is not on Python's path", remedy) if remedy else None
 
 

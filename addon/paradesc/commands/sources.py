@@ -1,4 +1,4 @@
-"""Where the commands find meshes: in files that Paradesc itself reads, or in Blender's scene by FileSource's twin there."""
+"""Where the commands find meshes: in files that Paradesc itself reads, or in Blender's scene by the add-on."""
 
 import argparse
 import sys

@@ -192,14 +192,6 @@ def file_word(name: str) -> str:
     return file_names.cut(bpy.path.clean_name(name))
 
 
-def file_words(keys: list[ObjectKey]) -> list[str]:
-    """Distinct file words of objects. Numbers count all objects in the .blend, so that every bake gives the same."""
-    there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
-    every = sorted(there, key=lambda key: (key[0], key[1] or ""))
-    words = dict(zip(every, file_names.distinct([file_word(name) for name, _ in every]), strict=True))
-    return [words[key] for key in keys]
-
-
 def with_name(name: str, failure: str) -> str:
     """The sentence with the object's name in front, unless the sentence contains the name."""
     return said(failure) if f'"{name}"' in failure else f'"{name}": {said(failure)}'
