@@ -4,8 +4,8 @@ Usage: package.py --output FOLDER (--folder PLATFORM=FOLDER)...    libraries of 
        package.py --output FOLDER --files FILE...                  those built for this system
        package.py ... --website ADDRESS                            names an address for Blender to link
 
-An extension holds the package as the wheel that wheels.py makes. Blender's own extension tool builds and validates: that
-of the Python module bpy if it is installed, else that of a Blender from 4.2 on.
+An extension holds the package as the wheel that wheels.py makes. Blender's own extension tool builds and validates:
+that of the Python module bpy if it is installed, else that of a Blender from 4.2 on.
 """
 
 import argparse
@@ -19,9 +19,9 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-import wheels
-from manual import write_manual
 from release import ADDON, LIBRARIES, PACKAGE, ROOT, first, given_libraries, library_arguments, version
+
+from manual import write_manual
 
 # Blender runs there from 4.5 on: the zip for older ones has nothing for it, and one place for each name.
 ONLY_EXTENSIONS = {"windows-arm64"}
@@ -71,7 +71,7 @@ def stage_extension(folder: Path, platform: str, wheel: Path, website: str) -> N
 
 
 def stage_legacy(folder: Path, libraries: dict[str, list[Path]], website: str = "") -> None:
-    """Both packages side by side, with the libraries of these platforms, as Blender before 4.2 has them among its add-ons."""
+    """Both packages side by side, with the libraries of these platforms, as they lie among the add-ons of Blender 3.4."""
     stage(folder / ADDON.name, website)
     shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=LEFT_OUT)
     (folder / PACKAGE.name / "lib").mkdir()
@@ -104,8 +104,10 @@ def write_zip(folder: Path, target: Path) -> None:
             archive.write(path, path.relative_to(folder))
 
 
-def package(output: Path, libraries: dict[str, list[Path]], tags: dict[str, str], website: str) -> list[Path]:
+def package(output: Path, libraries: dict[str, list[Path]], is_release: bool, website: str) -> list[Path]:
     """Writes all packages into an empty folder and has them validated; returns the zips."""
+    import wheels  # which needs scikit-build-core
+
     tool = extension_tool()
     known = valid_tags(tool)
     name = f"paradesc-{version()}"
@@ -117,7 +119,7 @@ def package(output: Path, libraries: dict[str, list[Path]], tags: dict[str, str]
         older = {name: files for name, files in libraries.items() if name not in ONLY_EXTENSIONS}
         stage_legacy(Path(work) / "legacy", older, website)
         write_zip(Path(work) / "legacy", zips[0])
-        _, *made = wheels.package(Path(work) / "wheels", libraries, tags)
+        _, *made = wheels.package(Path(work) / "wheels", libraries, wheels.TAGS if is_release else {})
         for platform, wheel in zip(libraries, made, strict=True):
             source = Path(work) / platform
             stage_extension(source, platform, wheel, website)
@@ -145,8 +147,7 @@ def main() -> int:
     parser.add_argument("--website", default="", metavar="ADDRESS", help="linked as doc_url and website; default: none")
     arguments = parser.parse_args()
     libraries = given_libraries(arguments, LIBRARIES)
-    tags = wheels.TAGS if arguments.folder else {}
-    for path in package(arguments.output.resolve(), libraries, tags, arguments.website):
+    for path in package(arguments.output.resolve(), libraries, bool(arguments.folder), arguments.website):
         sys.stdout.write(f"{path.stat().st_size:>9,} bytes  {path}\n")
     sys.stdout.write(f"repository       {arguments.output.resolve() / 'repository' / 'index.json'}\n")
     return 0
