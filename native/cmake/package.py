@@ -71,7 +71,7 @@ def stage_extension(folder: Path, platform: str, wheel: Path, website: str) -> N
 
 
 def stage_legacy(folder: Path, libraries: dict[str, list[Path]], website: str = "") -> None:
-    """Both packages side by side, with the libraries of these platforms, as they lie among the add-ons of Blender 3.4."""
+    """Both packages side by side, with the libraries of these platforms, as Blender before 4.2 has them."""
     stage(folder / ADDON.name, website)
     shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=LEFT_OUT)
     (folder / PACKAGE.name / "lib").mkdir()

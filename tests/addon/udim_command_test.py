@@ -118,7 +118,7 @@ def test_low_poly_tiles_take_the_values_of_detailed_objects(run, report, six, tm
     ("words", "said"),
     [
         (("-o", "x.<UDIM>.ply"), "has no UDIM tiles"),
-        (("-o", "x.<UDIM>.png"), "has no UDIM tiles"),
+        (("-o", "x.<UDIM>.png"), "which --map writes"),
         (("--map", "<UDIM>/x.png"), "in the name of the file"),
         (("--map", "x.<UDIM>.<UDIM>.png"), "once is enough"),
     ],
