@@ -16,7 +16,6 @@ root, folder, target = map(Path, sys.argv[1:])
 sys.path.insert(0, str(root / "native" / "cmake"))
 import package
 
-folder.parent.mkdir()
 package.stage_legacy(folder, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))})
 package.write_zip(folder, target)
 PACK
