@@ -17,7 +17,7 @@ sys.path[:0] = [str(FOLDER), str(FOLDER.parent)]
 import groups  # noqa: E402
 import looks  # noqa: E402
 
-OUTPUT = FOLDER.parent / "paradesc" / "assets" / "paradesc.blend"
+OUTPUT = FOLDER.parent / "paradesc_blender" / "assets" / "paradesc.blend"
 CATALOG = "6d8f0a52-3b0e-4c47-9a43-0f6a5d1c7e21"  # as blender_assets.cats.txt beside the file has it
 MASKS = "Reads the masks Cavity and Edge Wear, which Paradesc bakes."
 # The function that makes each asset, its description and its tags.
