@@ -67,9 +67,10 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     started = time.monotonic()
     onto = pairs.is_asked(arguments)
     source = source_of(arguments)
-    opened = pairs.opened_lows(source, arguments)
+    notes = source.open()
+    opened = pairs.picked(source, arguments)
     settings = opened_settings(arguments)
-    opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
+    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=True)
     check_values(arguments, settings)
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
@@ -80,7 +81,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     files = write_files(arguments, baked, source)
     for one in baked:
         print_summary(one)
-    print_notes(opened.notes)
+    print_notes(notes)
     for path in files["outputs"]:
         print(f"wrote {path}")
     warnings = warnings_of(baked)
@@ -90,7 +91,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         "device": baked[0].results.device,
         "fallback": "",  # for readers of earlier versions
         "objects": [results.report(one) for one in baked],
-        "notes": opened.notes,
+        "notes": notes,
         "warnings": warnings,
         **files,
         "seconds": {"open": read - started, "compute": computed - read, "write": time.monotonic() - computed},

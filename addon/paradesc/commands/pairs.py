@@ -52,16 +52,14 @@ def check_pair_options(arguments: argparse.Namespace) -> None:
         raise UsageError("Maps belong to the mesh that is measured; leave them out, or bake that mesh itself.")
 
 
-def opened_lows(source: Source, arguments: argparse.Namespace) -> Opened:
-    """Opens the input and picks the low-poly objects: with --pairs by their names, unless --object names them."""
-    notes = source.open()
+def picked(source: Source, arguments: argparse.Namespace) -> Opened:
+    """The objects to work on; with --pairs the low-poly ones by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
-        opened = source.picked()
-        return Opened(opened.objects, notes + opened.notes)
+        return source.picked()
     lows = [item for item in source.everything() if pair_names.LOW.fullmatch(item.name)]
     if not lows:
         raise InputError("No mesh object has a name that ends in _low.")
-    return Opened(sorted(lows, key=lambda item: item.name), notes)
+    return Opened(sorted(lows, key=lambda item: item.name))
 
 
 @contextmanager
