@@ -56,7 +56,7 @@ class Read(Protocol):
 
 
 class Source(Protocol):
-    """The calls that commands make, whatever the input is. SceneSource has more: files refuse what only Blender does."""
+    """The calls that commands make of any input. SceneSource has more: for files, what only Blender does is refused."""
 
     unwraps: bool
 
