@@ -123,7 +123,7 @@ def test_frames_have_the_same_values_anywhere(tmp_path):
         assert np.abs(far["mean_curvature_change"]).max() < SHARE * np.ptp(here["mean_curvature"])
 
 
-def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):
+def test_several_objects_in_one_file_are_right_far_away(tmp_path):
     for name, offset in (("here", np.zeros(3)), ("far", MAP)):
         path = write(tmp_path / f"{name}.obj", offset)
         lines = path.read_text().splitlines()
@@ -131,12 +131,9 @@ def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):
         second = ["o second", *(f"v {line}" for line in rows(moved, DIGITS).splitlines())]
         second += ["f " + " ".join(str(vertex + count + 1) for vertex in quad) for quad in surface()[1]]
         path.write_text("\n".join([*lines, *second]) + "\n")
-        out = [tmp_path / f"{name}{suffix}" for suffix in (".png", ".ply")]
-        bake(tmp_path, path, "--all", "-o", out[0], "-o", out[1])
+        bake(tmp_path, path, "--all", "-o", tmp_path / f"{name}.ply")
     (here,), (far,) = (mesh_files.read(tmp_path / f"{name}.ply") for name in ("here", "far"))
     np.testing.assert_allclose(far.arrays.positions - MAP, here.arrays.positions, atol=2e-6)
-    here, far = ((tmp_path / f"{name}.png").read_bytes() for name in ("here", "far"))
-    assert abs(len(here) - len(far)) < 0.02 * len(here)  # the last digits differ
 
 
 def test_the_arrays_of_python_and_corners_of_harris_are_right_far_away():
