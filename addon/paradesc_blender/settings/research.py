@@ -20,10 +20,8 @@ RESEARCH = {
     "paradesc_animation": ("frame_source", "relative_to_rest"),
     "paradesc_live": ("samples", "buffer_size", "full_render", "missing"),
 }
-# These settings have an effect only while another one is on.
-PARTS = {
-    "neutral": "use_neutral",
-}
+# This setting has an effect only while another one is on.
+PARTS = {"neutral": "use_neutral"}
 
 
 def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
