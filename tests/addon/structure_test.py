@@ -104,15 +104,8 @@ def test_modules_use_what_comes_before_them_and_nothing_else(name):
         for other in reached(name, node):
             if other in ROOTS:  # the package itself, whose version is all that may be asked for
                 assert [alias.name for alias in node.names] == ["__version__"], ast.unparse(node)
-            elif not is_typing(name, node):
+            else:
                 assert folder_of(other) in USES[own] | {own}, f"{name}: {ast.unparse(node)}"
-
-
-def is_typing(name, node):
-    """Whether an import is one for type checkers alone."""
-    tree = ast.parse(MODULES[name].read_text())
-    blocks = [item for item in tree.body if isinstance(item, ast.If) and ast.unparse(item.test) == "TYPE_CHECKING"]
-    return any(ast.unparse(node) == ast.unparse(inner) for block in blocks for inner in block.body)
 
 
 def test_no_import_runs_in_a_circle_wherever_it_stands():
@@ -121,7 +114,7 @@ def test_no_import_runs_in_a_circle_wherever_it_stands():
             other
             for node, _ in statements(name)
             for other in reached(name, node)
-            if other not in (name, *ROOTS) and not is_typing(name, node)
+            if other not in (name, *ROOTS)
         }
         for name in MODULES
     }
@@ -137,8 +130,7 @@ def test_the_package_names_the_addon_in_no_import_and_never_blenders_modules():
     for name in filter(is_package, MODULES):
         for node, _ in statements(name):
             assert not outside(node) & BLENDER, f"{name}: {ast.unparse(node)}"
-            if not is_typing(name, node):
-                assert all(map(is_package, reached(name, node))), f"{name}: {ast.unparse(node)}"
+            assert all(map(is_package, reached(name, node))), f"{name}: {ast.unparse(node)}"
 
 
 @pytest.mark.parametrize("name", sorted(name for name in MODULES if folder_of(name) not in (*PACKAGES, "commands", "numpy_api")))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from ..files import mesh_files
 from ..files.mesh_files import FileMesh
 from . import file_reading
 from .common import BLENDER, BLENDER_PART
-
-if TYPE_CHECKING:
-    from paradesc_blender.source import SceneSource
 
 Target = Any  # a FileMesh, or an object of Blender's scene
 UV_NAME = "UVMap"  # of the only UV map in a file whose format has no names for UV maps
@@ -181,7 +178,7 @@ def source_of(arguments: argparse.Namespace) -> Source:
     return FileSource(arguments) if file_reading.reads_files(arguments) else scene_source(arguments)
 
 
-def scene_source(arguments: argparse.Namespace) -> "SceneSource":
+def scene_source(arguments: argparse.Namespace) -> Any:
     """Blender's scene: by the add-on that is enabled, else by the package beside this one."""
     is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
