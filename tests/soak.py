@@ -123,7 +123,6 @@ def random_settings(chance: np.random.Generator, arrays: bridge.MeshArrays, back
         samples=int(chance.choice([16, 32, 64])),
         buffer_size=int(chance.choice([64, 100, 128, 256])),
         seed=int(chance.integers(1000)),
-        seam_error=bool(chance.random() < 0.2),
         texels=int(chance.choice([16, 64])),
         adaptive=float(chance.choice([0, 0, 0.05])),
         max_jumps=int(chance.choice([1, 8])),

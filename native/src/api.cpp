@@ -76,6 +76,10 @@ private:
   std::optional<paradesc::Workers::Scope> scope_;
 };
 
+constexpr const char *no_seam_errors =
+    "Seam errors are not computed any more; leave the option seam_error 0, and compare with the backend reference near the seams "
+    "that pdesc_mesh_near_seam finds.";
+
 void check_options(const pdesc_options &options) {
   if (!std::isfinite(options.radius) || options.radius <= 0.0)
     refuse("The radius is " + std::to_string(options.radius) + "; it must be a finite number above 0.");
@@ -95,6 +99,7 @@ void check_options(const pdesc_options &options) {
   check_range("evaluate", options.evaluate, PDESC_EVALUATE_VERTEX, PDESC_EVALUATE_TEXEL);
   check_range("texels", options.texels, 16, 8192);
   check_range("precision", options.precision, PDESC_PRECISION_FULL, PDESC_PRECISION_HALF);
+  if (options.seam_error != 0) refuse(no_seam_errors);
   if (!std::isfinite(options.adaptive) || options.adaptive < 0.0)
     refuse("The option adaptive is " + std::to_string(options.adaptive) + "; it must be a finite number from 0 on.");
   if (!(options.map_sigma >= 0.1) || !(options.map_sigma <= 4.0))
@@ -391,17 +396,11 @@ int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *va
   });
 }
 
-int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
+int32_t pdesc_field_seam_error(const pdesc_field *field, const char *, float *values, int32_t) {
   return guarded([&] {
     need_live(field, "field");
     need(values, "values");
-    if (field->field.seam_error.empty())
-      throw Error(
-          PDESC_ERROR_INVALID_OPERATION,
-          "This field has no seam errors; compute with seam_error = 1 in texture space: on the backend auto, gpu or software.");
-    const auto &ours = column(field->field, field->field.seam_error, name);
-    check_length(vertex_count, ours.size());
-    std::copy(ours.begin(), ours.end(), values);
+    throw Error(PDESC_ERROR_INVALID_OPERATION, no_seam_errors);
   });
 }
 

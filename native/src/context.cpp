@@ -23,7 +23,6 @@ std::shared_ptr<Context> make_context(const pdesc_context_options &options, Driv
   context->memory_limit = options.memory_limit;
   context->substitute = std::move(substitute);
   use(*context, context->backend);
-  context->abilities = context->engine->abilities();
   return context;
 }
 

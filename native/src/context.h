@@ -19,7 +19,6 @@ namespace paradesc {
 struct Context {
   int32_t backend = PDESC_BACKEND_CPU; // the engine's
   bool automatic = false;              // options that need texture space go to `software`
-  Abilities abilities;                 // the engine's
   int device_index = -1;
   int threads = 0;
   int64_t memory_limit = 0;         // as in pdesc_context_options

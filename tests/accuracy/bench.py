@@ -13,7 +13,7 @@ from paradesc.core.job import registry_row
 # These options say how to sample; the reference does not read them.
 SAMPLING = {
     "samples", "buffer_size", "max_jumps", "seed", "relocation", "variance_reduction", "pattern", "ellipse", "adaptive",
-    "evaluate", "texels", "precision", "seam_error",
+    "evaluate", "texels", "precision",
 }  # fmt: skip
 
 
@@ -143,9 +143,8 @@ class Bench:
                 device=context.device,
                 warnings=field.warnings(),
             )
-            if chosen.seam_error and context is not self.oracle:
+            if context is not self.oracle:
                 found.near_seam = mesh.near_seam(found.radius)
-                found.seam_error = {name: field.seam_error(name) for name in names}
         return found
 
     def compare(self, arrays, names, chosen=None, against=None):

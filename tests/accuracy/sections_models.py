@@ -24,8 +24,6 @@ DISTRIBUTION = (
     "p99_percent_ae",
     "max_percent_ae",
     "seam_mean_percent_ae",
-    "seam_error_mean",
-    "seam_error_p99",
 )
 SAMPLES_SCRIPT = Path(__file__).resolve().parents[2] / "blend_samples" / "make_samples.py"
 
@@ -56,15 +54,14 @@ def compose(arrays, shown, span, upright=True):
 def reference(bench, out, quick):
     out.say(
         "Mean error in percent over all vertices with a face, in texture space by `affine`, r = 2 % of the diagonal. "
-        "*Near seams*: vertices with a seam within r. *Seam error*: the difference between the results from two places "
-        "of one vertex in the UV map. Meshes without a UV map get charts by projection along the axes, in blocks; "
+        "*Near seams*: vertices with a seam within r. Meshes without a UV map get charts by projection along the axes, in blocks; "
         "overlapping ones are laid out afresh by the library. The picture is by the engine on the CPU."
     )
     # The standard error has no truth: it is that of each engine's own samples.
     names = [name for name in registry() if name != "standard_error"]
     details, rows, means = [], [], []
     for model, arrays, atlas in models(out, MODELS[:2] if quick else MODELS):
-        chosen = options(radius=0.02, seam_error=True)
+        chosen = options(radius=0.02)
         found_rows, found = bench.compare(arrays, names, chosen)
         report = found.mesh_report
         for name in ("mean_curvature", "gaussian_curvature"):
@@ -100,8 +97,6 @@ def reference(bench, out, quick):
         "p99",
         "max",
         "near seams",
-        "seam error",
-        "seam p99",
         "coverage %",
         "undefined",
     ]
@@ -332,7 +327,7 @@ def genus(bench, out, quick):
     names = ["mean_curvature", "gaussian_curvature", "shape_index", "local_bending_energy"]
     rows = []
     for fraction in (0.01,) if quick else (0.01, 0.02, 0.04):
-        found_rows, found = bench.compare(arrays, names, options(radius=fraction, seam_error=True))
+        found_rows, found = bench.compare(arrays, names, options(radius=fraction))
         means = [found_rows[name]["mean_percent_ae"] for name in names]
         near, coverage = (found_rows[names[0]][column] for column in ("seam_mean_percent_ae", "coverage_mean"))
         seconds = float(found.field_report["seconds_total"])

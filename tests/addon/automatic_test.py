@@ -20,7 +20,6 @@ NEEDS = {
     "relocation paper": {"relocation": "paper"},
     "half floats": {"precision": "half"},
     "adaptive sampling": {"adaptive": 0.05},
-    "seam errors": {"seam_error": True},
 }
 
 
@@ -47,7 +46,7 @@ def test_python_and_the_library_agree_on_what_takes_texture_space(sphere):
                 for buffers in (False, True):
                     chosen = settings(**options)
                     assert mesh.backend(chosen.options, buffers) == job.backend_for(chosen, buffers), options
-    assert job.backend_for(settings(backend="gpu", seam_error=True)) == "gpu"
+    assert job.backend_for(settings(backend="gpu", adaptive=0.05)) == "gpu"
 
 
 def test_a_bake_has_the_bits_of_the_processor(sphere):
@@ -65,7 +64,6 @@ def test_what_takes_texture_space_goes_to_the_software_rasterizer_with_a_note(sp
     assert found.device in found.warnings[0]
     expected = job.run(sphere, settings(backend="software", buffer_size=256, **NEEDS[words]))
     assert found.values["mean_curvature"].tobytes() == expected.values["mean_curvature"].tobytes()
-    assert bool(found.seam_error) == (words == "seam errors")
 
 
 def test_buffers_are_baked_where_they_are_asked_for(sphere):

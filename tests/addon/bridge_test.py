@@ -140,18 +140,6 @@ def test_coverage_and_mask_come_with_every_result(sphere):
     assert not mask.any()
 
 
-def test_seam_error_is_defined_at_seams_alone(sphere):
-    options = dataclasses.replace(OPTIONS, seam_error=True)
-    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
-        near = mesh.near_seam(0.04 * mesh.report()["diagonal"])
-        with mesh.compute(["mean_curvature"], options) as field:
-            error = field.seam_error("mean_curvature")
-    at_seam = np.isfinite(error)
-    assert 0 < at_seam.sum() < len(error)
-    assert near[at_seam].all()
-    assert error[at_seam].max() < 0.05 / RADIUS
-
-
 def test_loose_vertex_is_undefined_and_the_others_are_not(sphere):
     arrays = dataclasses.replace(sphere, positions=np.vstack([sphere.positions, [[0, 0, 0]]]).astype(np.float32))
     values = compute(arrays)["mean_curvature"]

@@ -188,7 +188,7 @@ def test_key_is_of_mesh_and_settings_but_not_of_device_or_pose():
 # A change of any of these has to make a new key; each has another value than the default.
 ALL_SETTINGS = {
     "radius": 0.07, "radius_unit": "mean-edge", "samples": 99, "buffer_size": 512, "normals": "max",
-    "creases": "marked", "max_jumps": 3, "seed": 5, "seam_error": True, "relocation": "affine", "estimator": "integral",
+    "creases": "marked", "max_jumps": 3, "seed": 5, "relocation": "affine", "estimator": "integral",
     "variance_reduction": "none", "geodesic": "chords", "distance": "geodesic", "pattern": "stratified",
     "ellipse": "directional", "evaluate": "texel", "texels": 64, "precision": "half", "adaptive": 0.1,
     "map_descriptor": "mean_curvature", "map_sigma": 2.0, "harris_k": 0.05, "descriptors": ("curvedness",),

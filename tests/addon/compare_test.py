@@ -99,7 +99,7 @@ def test_nothing_defined_gives_no_statistic():
     assert math.isnan(compare.statistic(found, np.mean))
 
 
-def results(values, reference_side, mask, near_seam=None, seam_error=None):
+def results(values, reference_side, mask, near_seam=None):
     """Results that hold these arrays and nothing else of interest."""
     name = "mean_curvature"
     return job.Results(
@@ -113,11 +113,10 @@ def results(values, reference_side, mask, near_seam=None, seam_error=None):
         device="",
         warnings=[],
         near_seam=near_seam,
-        seam_error={} if seam_error is None else {name: seam_error},
     )
 
 
-def test_row_gathers_errors_seams_and_seam_errors():
+def test_row_gathers_errors_and_seams():
     mask = np.zeros(42, np.uint8)
     mask[41] = abi.MASK_NO_FACE
     reference = np.append(REFERENCE, np.nan)
@@ -125,9 +124,7 @@ def test_row_gathers_errors_seams_and_seam_errors():
     values[:10] = reference[:10] + 0.76
     values[40] = np.nan
     near = np.arange(42) < 10
-    seam_error = np.full(42, np.nan)
-    seam_error[:4] = [0.38, 0.38, 0.38, 0.76]
-    row = compare.row("mean_curvature", results(values, False, mask, near, seam_error), results(reference, True, mask))
+    row = compare.row("mean_curvature", results(values, False, mask, near), results(reference, True, mask))
     assert row["descriptor"] == "mean_curvature"
     assert row["radius"] == 0.02
     assert row["undefined"] == 1
@@ -136,8 +133,6 @@ def test_row_gathers_errors_seams_and_seam_errors():
     np.testing.assert_allclose(row["median_percent_ae"], 1.0)
     np.testing.assert_allclose(row["max_percent_ae"], 100.0)
     np.testing.assert_allclose(row["seam_mean_percent_ae"], 2.0)
-    np.testing.assert_allclose(row["seam_error_mean"], 1.25)
-    np.testing.assert_allclose(row["seam_error_p99"], np.percentile([1, 1, 1, 2], 99))
 
 
 def test_several_radii_are_named_and_equal_those_alone(sphere):
@@ -208,7 +203,6 @@ def test_reference_is_compared_with_a_device_on_the_same_settings():
         # 128 samples on a smooth ellipsoid: a few tenths of a percent are to be expected.
         assert row["mean_percent_ae"] < 1.0
         assert row["undefined"] == 0
-        assert row["seam_error_mean"] < 1.0
 
 
 def test_reference_against_itself_is_refused(sphere):

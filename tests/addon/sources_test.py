@@ -173,9 +173,7 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
     assert reading.own
     assert sorted(reading.vertices) == list(range(len(own.arrays.positions)))
     assert (reading.vertices != np.arange(len(reading.vertices))).mean() > 0.9
-    settings = job.Settings(
-        ("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256, seam_error=True), "software"
-    )
+    settings = job.Settings(("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256), "software")
     expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
     found = delivery.on_original(results, reading)
     near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
@@ -185,9 +183,9 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
     assert np.array_equal(found.near_seam, expected.near_seam)
     assert 0 < found.near_seam.sum() < len(found.near_seam)
     assert np.array_equal(found.coverage, results.coverage[reading.vertices])
-    for ours, theirs in ((found.values, results.values), (found.seam_error, results.seam_error)):
-        assert ours.keys() == theirs.keys() == {"mean_curvature"}
-        assert np.array_equal(ours["mean_curvature"], theirs["mean_curvature"][reading.vertices], equal_nan=True)
+    assert found.values.keys() == results.values.keys() == {"mean_curvature"}
+    expected_values = results.values["mean_curvature"][reading.vertices]
+    assert np.array_equal(found.values["mean_curvature"], expected_values, equal_nan=True)
 
 
 def test_mixed_marks_are_no_vertices():

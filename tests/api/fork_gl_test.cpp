@@ -50,7 +50,7 @@ TEST_F(Fork, with_a_device_open_refuses_it_and_computes_on_the_processor) {
     const Mesh of_child = make_mesh(automatic.get(), ball);
     if (mean_curvature(of_child.get()) != of_processor) wrong += "a new context has other values\n";
     if (mean_curvature(on_processor.get()) != of_processor) wrong += "the processor's context has other values\n";
-    options.seam_error = 1;
+    options.buffers = 1;
     wrong += unless_refused(computed(of_child.get()), "forked");
     mesh.reset();
     device.reset();

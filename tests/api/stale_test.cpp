@@ -37,7 +37,7 @@ protected:
         PDESC_OK)
         << pdesc_last_error();
     const Field owner(field);
-    return read_field(field, mesh.vertex_count, names, settings.seam_error != 0);
+    return read_field(field, mesh.vertex_count, names);
   }
 
   // Bends the kept mesh a little more and compares it with one that was never anything else.
@@ -49,7 +49,6 @@ protected:
     const Results now = run(kept.get(), settings), fresh = run(make_mesh(context.get(), mesh).get(), settings);
     EXPECT_NE(now["mean_curvature"], before) << "the bend is to change something";
     for (const auto &[name, values] : fresh.values) expect_same_bits(now[name], values);
-    for (const auto &[name, values] : fresh.seam_error) expect_same_bits(now.seam_error.at(name), values);
     EXPECT_EQ(now.mask, fresh.mask);
     EXPECT_EQ(now.report.radius, fresh.report.radius);
     EXPECT_EQ(now.report.radius_in_texels, fresh.report.radius_in_texels);
@@ -97,7 +96,6 @@ TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
                      }),
                      "at texels");
   if (!on_device) return; // the rest is of texture space
-  bend_and_compare(with([](Settings &s) { s.seam_error = 1; }), "every place of a vertex");
   bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
   names.pop_back(); // operators work at vertices, and the paper's way is slow
   bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_PAPER; }), "the paper's way");

@@ -51,7 +51,6 @@ protected:
       {"relocation paper", [](pdesc_options &o) { o.relocation = PDESC_RELOCATION_PAPER; }},
       {"half floats", [](pdesc_options &o) { o.precision = PDESC_PRECISION_HALF; }},
       {"adaptive sampling", [](pdesc_options &o) { o.adaptive = 0.05; }},
-      {"seam errors", [](pdesc_options &o) { o.seam_error = 1; }},
       {"baked buffers", [](pdesc_options &o) { o.buffers = 1; }},
   };
 
@@ -110,7 +109,6 @@ TEST_F(Choice, is_the_software_device_for_what_texture_space_alone_has_with_a_no
     EXPECT_EQ(field.report.backend, PDESC_BACKEND_SOFTWARE) << need.word;
     test::expect_same_bits(field.values[0], expected.values[0]);
     EXPECT_EQ(field.device, software->device.load());
-    EXPECT_EQ(field.seam_error.empty(), options.seam_error == 0);
     const std::string note = field.warnings.substr(0, field.warnings.find('\n'));
     EXPECT_NE(note.find(need.word), std::string::npos) << note;
     test::expect_one_sentence(note);
@@ -167,9 +165,9 @@ TEST_F(Choice, foresees_the_memory_of_what_will_compute) {
   const auto context = open(PDESC_BACKEND_AUTO, false);
   const auto mesh = mesh_on(context);
   const std::vector<int> rows = {find_descriptor("mean_curvature")};
-  options.seam_error = 1;
+  options.adaptive = 0.05;
   EXPECT_GT(forecast_memory_of(*mesh, backend_for(*context, options), options, rows).device, 0);
-  options.seam_error = 0;
+  options.adaptive = 0.0;
   EXPECT_EQ(forecast_memory_of(*mesh, backend_for(*context, options), options, rows).device, 0);
 }
 

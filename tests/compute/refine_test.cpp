@@ -76,9 +76,6 @@ TEST_F(Refine, is_for_those_who_do_not_follow_maps_themselves) {
   for (const int32_t backend : {int32_t{PDESC_BACKEND_CPU}, int32_t{PDESC_BACKEND_REFERENCE}, test::device_backend()}) {
     const bool divided = backend != test::device_backend();
     EXPECT_EQ(is_divided(*mesh, backend), divided);
-    if (std::string why_not; test::open_context(backend, why_not)) {
-      EXPECT_EQ(open_engine(backend, -1, 1, {})->abilities().surface_maps, !divided) << "what an engine says of itself";
-    }
   }
   mesh->maps.displacement.reset();
   EXPECT_FALSE(is_divided(*mesh, PDESC_BACKEND_CPU));

@@ -360,31 +360,5 @@ TEST_P(Invariance, vertices_split_at_the_seams_get_the_results_of_the_whole) {
   }
 }
 
-// The seam error: the difference between a vertex's wedges.
-TEST(SeamError, wedges_of_one_vertex_agree) {
-  std::string why_not;
-  const Context context = open_context(device_backend(), why_not);
-  if (!context) GTEST_SKIP() << why_not;
-  for (TestMesh mesh : {test_torus(), test_ellipsoid()}) {
-    lay_out(mesh, {.charts = 15});
-    const Results results = compute(context.get(), mesh, {.seam_error = 1}, measured);
-    for (size_t i = 0; i < 2; ++i) {
-      std::vector<double> values = as_double(results[measured[i]]);
-      std::vector<float> other;
-      std::vector<uint8_t> seam;
-      for (size_t v = 0; v < values.size(); ++v) {
-        const float difference = results.seam_error.at(measured[i])[v];
-        seam.push_back(!std::isnan(difference));
-        other.push_back(static_cast<float>(values[v]) + (seam.back() ? difference : 0));
-      }
-      const PercentAe error = percent_ae(other, values, seam);
-      record(mesh.domain == Domain::sphere ? "ellipsoid seam error" : "torus seam error", measured[i], error);
-      EXPECT_GT(error.count, 500);
-      EXPECT_LE(error.mean, 0.25); // the bound against exact values
-      EXPECT_LE(error.p99, 1.0);
-    }
-  }
-}
-
 } // namespace
 } // namespace paradesc::test

@@ -78,7 +78,6 @@ pdesc_options make_options(Bytes &bytes) {
   options.normals = choice(bytes, 3);
   options.max_jumps = size_of(bytes, 0, 64);
   options.seed = bytes.byte();
-  options.seam_error = choice(bytes, 2);
   options.relocation = choice(bytes, 3);
   options.estimator = choice(bytes, 3);
   options.variance_reduction = choice(bytes, 2);

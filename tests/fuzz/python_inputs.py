@@ -165,7 +165,7 @@ def chosen_options(source, count, faces):
         )
         found[name] = source.choice(ODD) if name != "progress" else source.choice((None, 3, "x", lambda *_: None))
     if source.random() < 0.02:
-        found[source.choice(("sampels", "seed_", "seam_error", "é"))] = 1
+        found[source.choice(("sampels", "seed_", "buffers", "é"))] = 1
     found.setdefault("backend", "cpu")  # others open devices, which takes long
     return found
 

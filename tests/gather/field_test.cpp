@@ -1,4 +1,4 @@
-// Results at centers → seam errors and masks of vertices, on centers made by hand.
+// Results at points → values and masks of vertices, on results made by hand.
 #include "gather/field.h"
 
 #include <algorithm>
@@ -21,36 +21,18 @@ HalfEdges one_point_each(std::vector<int32_t> vertex_point) {
   return half_edges;
 }
 
-// Three points have two centers each, a fourth has one.
-CenterResults seven_centers() {
+CenterResults at_four_points() {
   CenterResults results;
-  results.point = {0, 0, 1, 1, 2, 2, 3};
-  results.primary = {1, 0, 1, 0, 1, 0, 1};
-  results.values = {{2.0f, 2.5f, 7.0f, nan, nan, nan, 3.0f}};
-  results.coverage = {1.0f, 1.0f, 0.89f, 1.0f, 0.2f, 0.91f, 0.9f};
-  results.boundary = {0, 1, 1, 0, 0, 0, 0};
+  results.values = {{2.0f, 7.0f, nan, 3.0f}};
+  results.coverage = {1.0f, 0.89f, 0.2f, 0.9f};
+  results.boundary = {0, 1, 0, 0};
   return results;
 }
 
-Field gathered() {
+TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_point) {
   Field field;
   field.names = {"mean_curvature"};
-  gather(one_point_each({0, 1, 2, 3, -1}), seven_centers(), true, 1, field);
-  return field;
-}
-
-TEST(Field, the_seam_error_is_how_far_the_centers_of_a_vertex_are_apart) {
-  const Field field = gathered();
-  const std::vector<float> &error = field.seam_error.at(0);
-  EXPECT_EQ(error.at(0), 0.5f);
-  EXPECT_TRUE(std::isinf(error.at(1))) << "a value at one of two centers";
-  EXPECT_TRUE(std::isnan(error.at(2))) << "a value at none of two centers";
-  EXPECT_TRUE(std::isnan(error.at(3))) << "one center";
-  EXPECT_TRUE(std::isnan(error.at(4))) << "no face";
-}
-
-TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_center) {
-  const Field field = gathered();
+  gather(one_point_each({0, 1, 2, 3, -1}), at_four_points(), 1, field);
   EXPECT_EQ(field.values.at(0).at(0), 2.0f);
   EXPECT_EQ(field.values.at(0).at(1), 7.0f);
   EXPECT_EQ(field.values.at(1).at(2), 0.2f);
@@ -61,12 +43,12 @@ TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_center) {
   EXPECT_EQ(field.report.low_coverage_vertices, 2);
 }
 
-TEST(Field, a_point_without_a_center_has_no_texel) {
-  CenterResults results = seven_centers();
-  results.primary[6] = 0;
+TEST(Field, a_point_without_coverage_has_no_texel) {
+  CenterResults results = at_four_points();
+  results.coverage[3] = nan;
   Field field;
   field.names = {"mean_curvature"};
-  gather(one_point_each({0, 1, 2, 3}), results, false, 1, field);
+  gather(one_point_each({0, 1, 2, 3}), results, 1, field);
   EXPECT_EQ(field.mask.at(3), PDESC_MASK_NO_TEXEL);
   EXPECT_TRUE(std::isnan(field.values.at(0).at(3)));
 }

@@ -39,9 +39,6 @@ OPTIONS: tuple[dict[str, Any], ...] = (
     {"seed": 3, "samples": 48},
     {"samples": 1000, "radius": 0.01},
     {"buffer_size": 333},
-    {"seam_error": True},
-    {"seam_error": True, "relocation": "paper"},
-    {"seam_error": True, "precision": "half"},
     {"map_descriptor": "mean_curvature"},
     {"map_descriptor": "euclidean_area", "map_sigma": 0.5, "harris_k": 0.1},
 )

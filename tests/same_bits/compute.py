@@ -83,8 +83,6 @@ class Recorder:
                 self.keep(case.name, name, field.values(name))
                 if maps:
                     self.keep(case.name, f"map of {name}", field.map(name))
-                if options.seam_error and name != "coverage":
-                    self.keep(case.name, f"seam error of {name}", field.seam_error(name))
             self.keep(case.name, "mask", field.mask())
             self.keep_report(case.name, "field", field.report())
             self.keep(case.name, "sentences of warning", "\n".join(field.warnings()))

@@ -74,17 +74,13 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
     requested.radius = radius_of(pass, options, radius);
     requested.map_sigma = pass.stage == Stage::windows ? settings.map_sigma * radius : 0.0;
     requested.points = pass.stage == Stage::source ? with_value : pass.stage == Stage::map ? with_gradient : points;
-    ReferenceField field =
-        compute_reference(surface.triangles, half_edges, surface.normals, requested, pass.rows, 0, [](double) { return true; });
+    ReferenceField field = compute_reference(surface.triangles, half_edges, surface.normals, requested, pass.rows, 0, nullptr);
     CenterResults results;
     results.values = std::move(field.values);
     results.boundary = std::move(field.boundary);
-    results.point.resize(static_cast<size_t>(half_edges.point_count));
-    std::iota(results.point.begin(), results.point.end(), 0);
-    results.primary.assign(results.point.size(), 1);
     return results;
   };
-  const CenterResults results = run_passes(half_edges.point_count, rows, find_map(settings.map_descriptor), compute_pass);
+  const CenterResults results = run_passes(rows, find_map(settings.map_descriptor), compute_pass);
   Oracle oracle;
   for (const int32_t vertex : vertices) {
     const int32_t point = half_edges.vertex_point[static_cast<size_t>(vertex)];

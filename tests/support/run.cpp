@@ -41,7 +41,6 @@ pdesc_options options_of(const Settings &settings) {
   options.buffer_size = settings.buffer_size;
   options.normals = settings.normals;
   options.creases = settings.creases;
-  options.seam_error = settings.seam_error;
   options.estimator = settings.estimator;
   options.variance_reduction = settings.variance_reduction;
   options.distance = settings.distance;
@@ -60,7 +59,7 @@ pdesc_options options_of(const Settings &settings) {
   return options;
 }
 
-Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<const std::string> descriptors, bool seam_error) {
+Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<const std::string> descriptors) {
   Results results;
   const size_t count = static_cast<size_t>(vertex_count);
   std::vector<std::string> names(descriptors.begin(), descriptors.end());
@@ -70,12 +69,6 @@ Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<con
     values.assign(count * components_of(name), sentinel);
     EXPECT_EQ(pdesc_field_values(field, name.c_str(), values.data(), vertex_count), PDESC_OK) << pdesc_last_error();
     EXPECT_EQ(std::count(values.begin(), values.end(), sentinel), 0) << name << " was not written everywhere";
-    if (!seam_error || name == "coverage") continue;
-    std::vector<float> &differences = results.seam_error[name];
-    differences.assign(count, sentinel);
-    EXPECT_EQ(pdesc_field_seam_error(field, name.c_str(), differences.data(), vertex_count), PDESC_OK) << pdesc_last_error();
-    EXPECT_EQ(std::count(differences.begin(), differences.end(), sentinel), 0)
-        << name << "'s seam error was not written everywhere";
   }
   results.mask.assign(count, mask_sentinel);
   EXPECT_EQ(pdesc_field_mask(field, results.mask.data(), vertex_count), PDESC_OK) << pdesc_last_error();
@@ -97,12 +90,11 @@ Results compute(pdesc_context *context, const TestMesh &mesh, const Settings &se
     status = pdesc_compute(created.get(), &options, names.data(), static_cast<int32_t>(names.size()), nullptr, nullptr, &field);
   EXPECT_EQ(status, PDESC_OK) << pdesc_last_error();
   const Field owner(status == PDESC_OK ? field : nullptr);
-  if (owner) return read_field(owner.get(), mesh.vertex_count, descriptors, settings.seam_error != 0);
+  if (owner) return read_field(owner.get(), mesh.vertex_count, descriptors);
   Results failed{};
   failed.mask.assign(static_cast<size_t>(mesh.vertex_count), mask_sentinel);
   for (const std::string &name : descriptors)
-    failed.values[name] = failed.seam_error[name] =
-        std::vector<float>(static_cast<size_t>(mesh.vertex_count), std::numeric_limits<float>::quiet_NaN());
+    failed.values[name] = std::vector<float>(static_cast<size_t>(mesh.vertex_count), std::numeric_limits<float>::quiet_NaN());
   failed.values["coverage"] = std::vector<float>(static_cast<size_t>(mesh.vertex_count), 0.0f);
   return failed;
 }

@@ -42,7 +42,6 @@ struct Settings {
   int32_t buffer_size = 1024;
   int32_t normals = PDESC_NORMALS_FITTED;
   int32_t creases = PDESC_CREASES_AUTO;
-  int32_t seam_error = 0;
   int32_t estimator = PDESC_ESTIMATOR_SHAPE_OPERATOR;
   int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;
   int32_t distance = PDESC_DISTANCE_EUCLIDEAN;
@@ -63,15 +62,13 @@ pdesc_options options_of(const Settings &settings);
 
 struct Results {
   std::map<std::string, std::vector<float>> values; // by descriptor, and "coverage"; (vertex_count, components)
-  std::map<std::string, std::vector<float>> seam_error;
   std::vector<uint8_t> mask;
   pdesc_field_report report;
   const std::vector<float> &operator[](const std::string &name) const { return values.at(name); }
 };
 
 // Every value of the field; a value that the library left alone fails the test.
-Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<const std::string> descriptors,
-                   bool seam_error = false);
+Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<const std::string> descriptors);
 
 // Mesh, compute, read. Failures fail the test and leave the values NaN.
 Results compute(pdesc_context *context, const TestMesh &mesh, const Settings &settings, std::span<const std::string> descriptors);

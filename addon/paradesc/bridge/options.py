@@ -45,7 +45,7 @@ Options = make_dataclass(
     "Options",
     [
         (name, type(default), default)
-        for name, default in (("radius", 0.02), ("seam_error", False), *((row.name, row.default) for row in TABLE))
+        for name, default in (("radius", 0.02), *((row.name, row.default) for row in TABLE))
     ],
     namespace={"__module__": __name__, "__doc__": "How to compute."},
 )
@@ -55,7 +55,6 @@ def needs_texture_space(options: Options, buffers: bool = False) -> bool:
     """Whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
     return (
         buffers
-        or options.seam_error
         or options.relocation != "connected"
         or options.precision == "half"
         or options.adaptive > 0
@@ -68,7 +67,6 @@ def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False
     native.radius = options.radius
     for row in TABLE:
         setattr(native, row.name, native_value(row, getattr(options, row.name)))
-    native.seam_error = int(options.seam_error)
     native.buffers = int(buffers)
     return native
 

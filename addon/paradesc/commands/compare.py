@@ -21,8 +21,6 @@ COLUMNS = (
     ("p99_percent_ae", "p99 %"),
     ("max_percent_ae", "max %"),
     ("seam_mean_percent_ae", "near seams %"),
-    ("seam_error_mean", "seam error %"),
-    ("seam_error_p99", "seam p99 %"),
     ("coverage_mean", "coverage"),
     ("undefined", "undefined"),
 )

@@ -193,7 +193,7 @@ def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
     options = replace(
         settings.options, radius=radii[0], radius_unit="absolute", estimator=blurring(settings.options.estimator)
     )
-    options = replace(options, evaluate="vertex", seam_error=False)
+    options = replace(options, evaluate="vertex")
     more = tuple(radii[1:])
     return replace(settings, descriptors=(MEAN, ERROR), options=options, more_radii=more, radius_fit="typed")
 

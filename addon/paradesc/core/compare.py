@@ -80,7 +80,7 @@ def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarr
         weight = np.where(np.isfinite(angle), np.abs(k1 - k2), np.nan).astype(np.float64)
         mean = float(np.nanmean(weight)) if np.isfinite(weight).any() else 0.0
         angle *= weight / mean if mean > 0 else 1.0
-    return Errors(angle, 100.0 / np.degrees(1.0))  # seam errors of a direction are radians
+    return Errors(angle, 100.0)
 
 
 def statistic(percent: np.ndarray, function: object, *arguments: float) -> float:
@@ -100,7 +100,6 @@ def row(name: str, device: job.Results, reference: job.Results) -> dict[str, obj
         )
     percent = errors.percent
     near_seam = device.near_seam if device.near_seam is not None else np.zeros(len(percent), bool)
-    seam_error = device.seam_error.get(name, np.zeros(0)) * (100.0 / errors.denominator)
     undefined = np.isnan(device.values[name].reshape(len(percent), -1)).any(axis=1) & with_face
     return {
         "descriptor": name,
@@ -110,8 +109,6 @@ def row(name: str, device: job.Results, reference: job.Results) -> dict[str, obj
         "p99_percent_ae": statistic(percent, np.percentile, 99),
         "max_percent_ae": statistic(percent, np.max),
         "seam_mean_percent_ae": statistic(percent[near_seam], np.mean),
-        "seam_error_mean": statistic(seam_error, np.mean),
-        "seam_error_p99": statistic(seam_error, np.percentile, 99),
         "spread": errors.spread,
         "coverage_mean": device.report_of(name)["coverage_mean"],
         "undefined": int(undefined.sum()),
@@ -129,14 +126,10 @@ def compare(
     arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None = None
 ) -> tuple[list[dict[str, object]], job.Results, job.Results]:
     """Rows of errors, one for each descriptor, and the two results that they compare."""
-    seams = bridge.uses_texture_space(job.backend_for(settings))
-    device_settings = replace(settings, options=replace(settings.options, seam_error=seams))
-    device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
+    device = job.run(arrays, settings, staged(progress, "device", 0.0))
     if device.backend == "reference":
         raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, "There is no device to compare with the reference.")
-    reference_settings = replace(
-        device.settings, backend="reference", device_index=-1, options=replace(device.settings.options, seam_error=False)
-    )
+    reference_settings = replace(device.settings, backend="reference", device_index=-1)
     reference = job.run(arrays, reference_settings, staged(progress, "reference", 0.5))
     rows = [row(name, device, reference) for name in device.values]
     return rows, device, reference

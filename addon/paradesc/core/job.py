@@ -104,8 +104,7 @@ class Results:
     warnings: list[str]  # limits of the results
     notes: list[str] = field(default_factory=list)  # facts about the measurement, and options without effect
     shape_notes: list[str] = field(default_factory=list)  # defects of the mesh that limit values
-    near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
-    seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    near_seam: np.ndarray | None = None  # (vertex_count,) bool, in texture space only
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
     buffers: dict[str, np.ndarray] = field(default_factory=dict)  # what was baked, by bridge.BUFFERS, where asked for
     layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
@@ -400,10 +399,9 @@ def run_radii(
             results.field_reports[suffix] = found.report()
             results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
             results.warnings += [line for line in found.warnings() if line not in results.warnings]
-            if options.seam_error and bridge.uses_texture_space(found.backend):
+            if bridge.uses_texture_space(found.backend):
                 near_seam = mesh.near_seam(found.report()["radius"])
                 results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
-                results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
             if found.backend != "reference":
                 keep_texels(results, mesh, found, suffix, with_buffers)
     return results

@@ -127,7 +127,6 @@ def run(
         spaces.check_scale(part.matrix, part.name)
     check_memory(settings, size)
     settings = texel_centers.with_texels(settings, size, "vertex")
-    settings = replace(settings, options=replace(settings.options, seam_error=False))
     measuring, projecting = job.span_of(progress, 0.0, MEASURING), job.span_of(progress, MEASURING, 1.0)
     found = [
         job.run(high.measured, settings, job.part_of(measuring, number, len(highs)))

@@ -82,7 +82,6 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
-        seam_error={name: values[at] for name, values in results.seam_error.items()},
         unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
         corners=corners,
     )

@@ -211,7 +211,7 @@ typedef struct pdesc_context_options {
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
 /* options may be NULL: defaults. AUTO is CPU on every system; GPU must be requested. Under AUTO, options that only texture space
- * supports (relocations AFFINE and PAPER, half floats, adaptive sampling, seam errors, buffers to be read) are computed by
+ * supports (relocations AFFINE and PAPER, half floats, adaptive sampling, buffers to be read) are computed by
  * SOFTWARE, with a sentence in the field's warnings; they are UNSUPPORTED if there is no software device. If a device fails, the
  * call returns its error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
@@ -315,7 +315,7 @@ typedef struct pdesc_options {
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used in texture space only; the paper: 1 */
   uint32_t seed;        /* of the places of samples; default 0. Used in texture space only */
-  int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
+  int32_t seam_error;   /* must be 0: differences between the places of a vertex in the UV map are not computed any more */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED, which GPU and SOFTWARE compute as AFFINE. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
   int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Used where samples are points: not by CPU and REFERENCE */
@@ -418,8 +418,7 @@ PDESC_API const char *pdesc_field_device(const pdesc_field *field);
 /* values: (vertex_count) float32, one for each original vertex; (vertex_count, 3) for a descriptor with three components.
  * name: a requested descriptor, or "coverage". */
 PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
-/* The largest difference between the results at two places of the vertex in the UV map; NaN at a vertex with one place.
- * Needs options.seam_error = 1, and texture space: GPU, SOFTWARE or AUTO. */
+/* Always INVALID_OPERATION, for older callers. */
 PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* (vertex_count) bits PDESC_MASK_*. */
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);

@@ -13,7 +13,6 @@ std::string texture_space_needs(const pdesc_options &options) {
   if (options.relocation == PDESC_RELOCATION_PAPER) needs.emplace_back("the relocation paper");
   if (options.precision == PDESC_PRECISION_HALF) needs.emplace_back("half floats");
   if (options.adaptive > 0.0) needs.emplace_back("adaptive sampling");
-  if (options.seam_error != 0) needs.emplace_back("seam errors");
   if (options.buffers != 0) needs.emplace_back("baked buffers");
   std::string sentence;
   for (size_t i = 0; i < needs.size(); ++i) sentence += (i == 0 ? "" : i + 1 < needs.size() ? ", " : " and ") + needs[i];
@@ -45,21 +44,21 @@ void take_engine(Mesh &mesh, const pdesc_options &options) {
   mesh.session = engine->open_session();
 }
 
-// Refuses options that need texture space on engines without it. The reference ignores options of sampling instead.
-static void refuse_without_texture_space(const Mesh &mesh, const pdesc_options &options) {
+// Refuses options that need texture space.
+static void refuse_without_texture_space(const pdesc_options &options) {
   const std::string needs = texture_space_needs(options);
-  if (mesh.engine->backend() == PDESC_BACKEND_REFERENCE || needs.empty()) return;
+  if (needs.empty()) return;
   throw Error(PDESC_ERROR_INVALID_OPERATION, "A computation with " + needs +
                                                  " takes texture space, which the backend cpu does without; use the backend "
                                                  "gpu, software or auto.");
 }
 
 void refuse_beyond_abilities(const Mesh &mesh, const pdesc_options &options) {
-  const Abilities abilities = mesh.engine->abilities();
+  const Abilities abilities = abilities_of(mesh.engine->backend());
   if (abilities.texture_space && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
-  if (!abilities.texture_space) refuse_without_texture_space(mesh, options);
+  if (!abilities.texture_space && !abilities.any_options) refuse_without_texture_space(options);
   if (abilities.texels && options.evaluate == PDESC_EVALUATE_TEXEL && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION, "Texels were to be evaluated, and the mesh has no UV map in which they could lie; "
                                                "unwrap it, or evaluate at vertices, which needs none.");

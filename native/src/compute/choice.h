@@ -7,7 +7,7 @@
 
 namespace paradesc {
 
-// Lists the requested options that only texture space supports, for a sentence: "half floats and seam errors"; "" if there are
+// Lists the requested options that only texture space supports, for a sentence: "half floats and baked buffers"; "" if there are
 // none.
 std::string texture_space_needs(const pdesc_options &options);
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "compute/choice.h"
+#include "compute/evaluate.h"
 #include "compute/memory.h"
 #include "compute/refine.h"
 #include "descriptor/registry.h"
@@ -38,7 +39,7 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
   if (report.private_layout == PDESC_LAYOUT_SPARSE)
     add("The UV map uses little of its square, or gives the radius few texels in one direction; its charts were laid out afresh "
         "for the computation, and the UV map itself is unchanged.");
-  if (!mesh.engine->abilities().texture_space) return;
+  if (!abilities_of(report.backend).texture_space) return;
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
         " texels of the buffers in the direction that has the fewest; use larger buffers, a larger "
@@ -79,11 +80,11 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
   check_cancel(reported, stage, reached);
 
-  const bool divided = mesh.maps.any() && !mesh.engine->abilities().surface_maps;
+  const bool divided = is_divided(mesh, mesh.engine->backend());
   if (!divided) forget_refined_surface(mesh);
   const Surface surface = divided ? refined_surface_of(mesh, options) : surface_of(mesh, options);
   const double seconds_surface = stages.lap();
-  Computed computed = mesh.session->compute(surface, request, resources_of(*mesh.context), reported);
+  Computed computed = evaluate(mesh, surface, request, reported);
   checkpoint();
 
   Field field;
@@ -91,8 +92,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   field.maps = std::move(computed.images);
   field.map_size = computed.image_size;
   for (const int row : descriptors) field.names.emplace_back(descriptor_row(row).name);
-  const bool with_seam_error = options.seam_error != 0 && mesh.engine->abilities().texture_space;
-  gather(mesh.half_edges, computed.results, with_seam_error, mesh.context->threads, field);
+  gather(mesh.half_edges, computed.results, mesh.context->threads, field);
   field.report.radius = request.radius;
   if (options.creases != PDESC_CREASES_NONE)
     field.report.crease_edges = static_cast<int32_t>(creases_of(mesh, options).edges.size());
@@ -100,7 +100,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   field.device = mesh.engine->device();
   const MemoryForecast memory = forecast_memory_of(mesh, field.report.backend, options, descriptors);
   field.report.memory_megabytes = 1e-6 * static_cast<double>(memory.total());
-  mesh.memory_held = mesh.engine->abilities().texture_space ? memory.total() : 0; // other engines keep next to nothing
+  mesh.memory_held = abilities_of(field.report.backend).texture_space ? memory.total() : 0; // other engines keep next to nothing
   field.report.seconds_prepare += seconds_surface;
   field.report.seconds_total = clock.lap();
   warn(mesh, options, field);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compute/centers.h"
 #include "compute/choice.h"
 #include "compute/refine.h"
+#include "descriptor/registry.h"
 #include "engine/engines.h"
 #include "engine/memory.h"
 #include "support/parallel.h"
@@ -49,14 +51,43 @@ static double disks_of(const Mesh &mesh, const pdesc_options &options) {
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
 }
 
+// Bytes of normals and results, in addition to the mesh.
+static int64_t bytes_of_results(const ComputationSize &size) {
+  constexpr int64_t of_row = 128, of_thread = 4; // per triangle: FaceRow; and thread: FacetFlood's marks
+  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + of_row + size.threads * of_thread;
+  // The map that operators read is computed at the points of all pieces.
+  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
+  const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;
+  return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * points;
+}
+
+// The memory for texels: centers in their first order and in that of the texels, results and images, and one band with the map's
+// values at points.
+static int64_t bytes_of_texels(const ComputationSize &size) {
+  const int64_t texels = int64_t{size.options.texels} * size.options.texels, rows = rows_of(size.descriptors);
+  const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.piece_points;
+  return texels * static_cast<int64_t>(4 + 2 * sizeof(TexelCenter)) + texels * 8 * rows +
+         band * static_cast<int64_t>(sizeof(CenterPoint) + sizeof(vec4) + 16 + 8 * rows);
+}
+
 MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
   const Charts &charts = mesh.atlases.current().charts;
   const DivisionPlan *const plan = is_divided(mesh, backend) ? &division_plan_of(mesh, options) : nullptr;
   const int64_t triangles = mesh.triangles.triangle_count, points = mesh.half_edges.point_count;
-  MemoryForecast memory = forecast_memory(
-      backend, {triangles, points, static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
-                plan ? plan->pieces() : triangles, plan ? points + plan->new_points() : points, mesh.maps.any(),
-                disks_of(mesh, options), thread_count(mesh.context->threads), options, descriptors});
+  const ComputationSize size{triangles,
+                             points,
+                             static_cast<int64_t>(charts.wedges.size()),
+                             static_cast<int64_t>(charts.borders.size()),
+                             plan ? plan->pieces() : triangles,
+                             plan ? points + plan->new_points() : points,
+                             mesh.maps.any(),
+                             disks_of(mesh, options),
+                             thread_count(mesh.context->threads),
+                             options,
+                             descriptors};
+  MemoryForecast memory = forecast_memory(backend, size);
+  memory.host += bytes_of_results(size);
+  if (options.evaluate == PDESC_EVALUATE_TEXEL && abilities_of(backend).texels) memory.host += bytes_of_texels(size);
   if (plan) memory.host += bytes_of_refined_surface(mesh, *plan);
   memory.mesh = bytes_of_mesh(mesh);
   return memory;
@@ -73,7 +104,7 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const int32_t backend = backend_for(*mesh.context, options);
   const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
   const bool divided = is_divided(mesh, backend);
-  const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
+  const bool buffers = abilities_of(backend).texture_space;
   const int64_t needed = memory.total() - memory.mesh;
   if (mesh.session && memory.total() <= mesh.memory_held) return;
   check_memory(mesh.context->memory_limit,

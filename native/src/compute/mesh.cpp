@@ -57,7 +57,7 @@ void check_triangle_count(const Abilities &abilities, int32_t triangles) {
 
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   check_memory_of_input(*context, input);
-  check_triangle_count(context->abilities, input.triangle_count);
+  check_triangle_count(abilities_of(context->backend), input.triangle_count);
   const CancelScope cancel([&] {
     if (input.progress && !input.progress(input.user, "mesh", 0.0))
       throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");

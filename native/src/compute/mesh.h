@@ -49,6 +49,8 @@ struct Mesh {
       refined;            // by the number of divisions, the normals' key and the maps' version
   uint64_t divisions = 0; // number of divisions made so far
 
+  Keyed<std::pair<int, int>, TexelMap> texels; // by the atlas's version and the size
+
   std::shared_ptr<Engine> engine; // the session's, which may differ from the context's
   std::unique_ptr<Session> session;
   int64_t memory_held = 0; // approximate bytes that the mesh and its session keep for the next computation

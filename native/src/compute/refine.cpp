@@ -7,9 +7,7 @@
 
 namespace paradesc {
 
-bool is_divided(const Mesh &mesh, int32_t backend) {
-  return mesh.maps.any() && (backend == PDESC_BACKEND_CPU || backend == PDESC_BACKEND_REFERENCE);
-}
+bool is_divided(const Mesh &mesh, int32_t backend) { return mesh.maps.any() && !abilities_of(backend).surface_maps; }
 
 static MeasureTriangle measure_of(const Mesh &mesh, const pdesc_options &options) {
   return measure_of_maps(mesh.maps, mesh.triangles, requested_radius(mesh, options));

@@ -37,17 +37,6 @@ std::vector<Pass> plan_passes(std::span<const int> requested, int map_row) {
   return passes;
 }
 
-// Values of one row at the primary center of each point; NaN where there is none.
-static std::vector<float> at_points(const CenterResults &results, const std::vector<float> &row, size_t width,
-                                    size_t point_count) {
-  std::vector<float> values(point_count * width, std::numeric_limits<float>::quiet_NaN());
-  for (size_t i = 0; i < results.point.size(); ++i) {
-    if (!results.primary[i]) continue;
-    std::copy_n(&row[i * width], width, &values[static_cast<size_t>(results.point[i]) * width]);
-  }
-  return values;
-}
-
 namespace {
 
 struct Done {
@@ -62,16 +51,16 @@ struct Done {
 } // namespace
 
 // Copies the map's values or gradients, if a pass computed them, into the map.
-static void update_map(const Done &done, int map_row, size_t points, MapValues &map) {
+static void update_map(const Done &done, int map_row, MapValues &map) {
   if (done.pass.stage == Stage::source) {
-    for (const float f : at_points(done.results, *done.find(map_row), 1, points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
-  } else if (const std::vector<float> *found = done.pass.stage == Stage::map ? done.find(gradient_row()) : nullptr) {
-    const std::vector<float> gradient = at_points(done.results, *found, 3, points);
-    for (size_t k = 0; k < points; ++k) map[k] = vec4(gradient[3 * k], gradient[3 * k + 1], gradient[3 * k + 2], map[k].w);
+    for (const float f : *done.find(map_row)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
+  } else if (const std::vector<float> *gradient = done.pass.stage == Stage::map ? done.find(gradient_row()) : nullptr) {
+    const float *g = gradient->data();
+    for (size_t k = 0; k < map.size(); ++k) map[k] = vec4(g[3 * k], g[3 * k + 1], g[3 * k + 2], map[k].w);
   }
 }
 
-CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run) {
+CenterResults run_passes(std::span<const int> requested, int map_row, const RunPass &run) {
   const std::vector<Pass> passes = plan_passes(requested, map_row);
   const auto count = static_cast<int>(passes.size());
   MapValues map;
@@ -79,7 +68,7 @@ CenterResults run_passes(int point_count, std::span<const int> requested, int ma
   for (const Pass &pass : passes) {
     const bool with_map = pass.stage == Stage::map || pass.stage == Stage::windows;
     done.push_back({pass, run(pass, with_map ? &map : nullptr, static_cast<int>(done.size()), count)});
-    update_map(done.back(), map_row, static_cast<size_t>(point_count), map);
+    update_map(done.back(), map_row, map);
   }
   std::vector<std::vector<float>> values;
   for (const int row : requested)

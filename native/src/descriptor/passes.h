@@ -27,10 +27,10 @@ struct Pass {
 // Returns at least one pass. map_row gets a pass of its own, with more samples, because operators' derivatives magnify noise.
 std::vector<Pass> plan_passes(std::span<const int> requested, int map_row);
 
-// run(pass, map, number, count) evaluates pass number of count; map is null if the pass needs none. The values are returned in
-// the order of `requested`.
+// run(pass, map, number, count) evaluates pass number of count at points; map is null if the pass needs none. The values are
+// returned in the order of `requested`.
 using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *map, int number, int count)>;
-CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run);
+CenterResults run_passes(std::span<const int> requested, int map_row, const RunPass &run);
 
 // Samples per neighborhood of a pass. Maps and their derivatives take more, because derivatives magnify noise.
 int samples_of(const Pass &pass, const pdesc_options &options);

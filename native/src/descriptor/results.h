@@ -1,4 +1,4 @@
-// Values at the centers of evaluation (wedges, texels, or points of the reference), before they are gathered to vertices.
+// Values at the centers of evaluation (points or texels), before they are gathered to vertices.
 #pragma once
 
 #include <cmath>
@@ -9,11 +9,9 @@
 namespace paradesc {
 
 struct CenterResults {
-  std::vector<int32_t> point;             // (centers) point evaluated
-  std::vector<uint8_t> primary;           // (centers) 1: the center whose values the point takes
   std::vector<std::vector<float>> values; // [descriptor][center, component], units of the positions
   double refined_share = 1.0;             // the share of the centers that took all samples
-  std::vector<float> coverage;            // (centers)
+  std::vector<float> coverage;            // (centers) NaN at centers without a place in the UV map
   std::vector<uint8_t> boundary;          // (centers)
 };
 
@@ -23,13 +21,13 @@ inline float in_unit(float value, double unit) {
   return std::isnormal(rounded) ? value * rounded : static_cast<float>(value * unit);
 }
 
-// Results with each point as its own only center and full coverage. The caller fills in values and boundary.
-CenterResults results_at_points(int point_count);
+// Returns NaN for each of `count` centers, with full coverage. rows: rows of the registry.
+CenterResults unknown_results(size_t count, std::span<const int> rows);
 
 // Keeps only the first `count` centers. rows: the registry rows of the values.
 void keep_centers(CenterResults &results, size_t count, std::span<const int> rows);
 
-// Appends the results of further centers.
-void append(CenterResults &all, CenterResults &&part);
+// Converts values to the units of the positions. scale: units of the values per unit of the positions.
+void scale_values(std::span<const int> rows, double scale, CenterResults &results);
 
 } // namespace paradesc

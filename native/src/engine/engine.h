@@ -1,4 +1,5 @@
-// The seam between a computation and the engine that runs it: a mesh and options in, values at centers of evaluation out.
+// The seam between a computation and the engine that runs it: an engine evaluates one pass at centers, points of the surface.
+// Passes, creases, texels, images and reports are above it (compute/evaluate).
 //
 // An engine is opened once per context; a session is its state for one mesh, kept between computations. Nothing outside an
 // engine's folder knows how it works; callers ask what it can do (Abilities).
@@ -13,22 +14,28 @@
 #include <string>
 #include <vector>
 
+#include "bake/distortion.h"
 #include "bake/surface_maps.h"
+#include "descriptor/passes.h"
 #include "descriptor/results.h"
 #include "mesh/atlas.h"
 #include "mesh/creases.h"
 #include "mesh/division.h"
 #include "mesh/facets.h"
 #include "mesh/normals.h"
+#include "sample/center_point.h"
+#include "sample/texels.h"
 #include "support/progress.h"
 
 namespace paradesc {
 
-// A computation beyond these abilities is refused before a session sees it.
+// What an engine can do. A computation beyond that is refused before a session sees it.
 struct Abilities {
   bool texture_space = false; // needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // follows displacement and normal maps; otherwise it gets the displaced surface
   bool texels = false;        // evaluates at texels of a map; this may need a UV map although the rest does not
+  bool any_options = false;   // passes over options of texture space, which others without it refuse
+  double prepared = 0.0;      // share of the progress that Session::prepare covers
   int32_t max_triangles = std::numeric_limits<int32_t>::max();
 };
 
@@ -74,12 +81,32 @@ struct Request {
   double radius;                    // in units of the positions
 };
 
-struct Computed {
-  CenterResults results;
-  pdesc_field_report report{};            // filled in by the engine as far as it can
-  std::vector<std::vector<float>> images; // from images_of, if texels were evaluated
-  int image_size = 0;
+// The inputs of one pass, borrowed.
+struct PassInputs {
+  const Surface &surface;
+  const Request &request;
+  const BakeSpace &space; // of the surface
+  const Pass &pass;
+  const MapValues *map; // at points; or null
+  const Resources &resources;
+
+  // The radius in units of the positions, and in those of the space.
+  double radius() const { return radius_of(pass, request.options, request.radius); }
+  float scaled_radius() const { return static_cast<float>(radius() * space.scale); }
 };
+
+inline constexpr size_t texels_of_band = size_t{1} << 17; // the most that are centers at once
+
+struct Centers {
+  const CenterPoints &list;
+  const MapValues *map;                  // of the pass at each center, and perhaps further ones; or null
+  std::span<const TexelCenter> texels{}; // the centers as texels; empty: the centers are the first points
+  int map_size = 0;                      // texels along a side of their map
+};
+
+// progress: gets the share of the centers that is done, and may throw. Returns values of some of the pass's rows.
+using Part = std::function<void(double)>;
+using EvaluatePass = std::function<CenterResults(const Centers &centers, std::span<const int> rows, const Part &progress)>;
 
 // Values of a baked buffer (size * size, components), row by row from v = 0, in units of the positions; NaN off the charts
 // (chart, neighbor: -1).
@@ -94,9 +121,13 @@ struct ReadBuffer {
 class Session {
 public:
   virtual ~Session() = default;
-  // Throws Error: CANCELLED, or the failure. The session stays usable.
-  virtual Computed compute(const Surface &surface, const Request &request, const Resources &resources,
-                           const Progress &progress) = 0;
+  // Both throw Error: CANCELLED, or the failure. The session stays usable.
+  // Makes what all passes of a computation share, and reports on it.
+  virtual void prepare(const Surface &, const Request &, const Resources &, const Progress &, pdesc_field_report &) {}
+  // Readies the sums of a pass. The function returned borrows the pass and the session.
+  virtual EvaluatePass start(const PassInputs &pass) = 0;
+  // Returns whether a pass over the surface gives the values of this row with the bits of a pass for the map alone.
+  virtual bool gives_map(const Pass &, int, const pdesc_options &) const { return false; }
   // Side of the last baked buffers in texels; 0: there are none.
   virtual int buffer_size() const { return 0; }
   // Throws Error: INVALID_OPERATION if there are no buffers, INVALID_ARGUMENT that lists the available names.
@@ -108,7 +139,6 @@ public:
   virtual ~Engine() = default;
   virtual int32_t backend() const = 0; // pdesc_backend
   virtual const std::string &device() const = 0;
-  virtual Abilities abilities() const = 0;
   virtual bool lost() const { return false; } // nothing more can be computed here
   virtual std::unique_ptr<Session> open_session() = 0;
 };

@@ -7,6 +7,13 @@
 
 namespace paradesc {
 
+Abilities abilities_of(int32_t backend) {
+  if (backend == PDESC_BACKEND_REFERENCE) return {.any_options = true};
+  if (backend == PDESC_BACKEND_CPU) return {.texels = true};
+  // Shaders store chart numbers in floats, which are exact up to 2^24, and there may be as many charts as triangles.
+  return {.texture_space = true, .surface_maps = true, .texels = true, .prepared = 0.3, .max_triangles = 1 << 24};
+}
+
 std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute) {
   if (backend == PDESC_BACKEND_REFERENCE) return open_reference_engine(threads);
   if (backend == PDESC_BACKEND_CPU) return open_cpu_engine(threads);

@@ -8,6 +8,9 @@
 
 namespace paradesc {
 
+// backend: any but AUTO. Opens nothing.
+Abilities abilities_of(int32_t backend);
+
 // backend: any but AUTO. Throws Error(UNSUPPORTED) that says what was found and what to do.
 std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute);
 

@@ -18,15 +18,6 @@ int64_t rows_of(std::span<const int> descriptors) {
   return rows;
 }
 
-int64_t bytes_of_results(const ComputationSize &size) {
-  constexpr int64_t of_row = 128, of_thread = 4; // per triangle: FaceRow; and thread: FacetFlood's marks
-  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + of_row + size.threads * of_thread;
-  // The map that operators read is computed at the points of all pieces.
-  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
-  const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;
-  return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * points;
-}
-
 static std::string in_words(int64_t bytes) {
   const auto number = static_cast<double>(bytes);
   char text[32];

@@ -1,4 +1,4 @@
-// Counts → bytes that every engine takes; refuses computations beyond the limit.
+// Refuses computations beyond the limit.
 #pragma once
 
 #include <string>
@@ -9,9 +9,6 @@ namespace paradesc {
 
 // Rows of results at a center: coverage, flags, area, then one for each component of a descriptor.
 int64_t rows_of(std::span<const int> descriptors);
-
-// Bytes of normals and results, in addition to the mesh.
-int64_t bytes_of_results(const ComputationSize &size);
 
 // Throws Error(OUT_OF_MEMORY) with both numbers if more is needed than allowed. subject: "A mesh of 17 triangles"; remedy:
 // "use fewer triangles".

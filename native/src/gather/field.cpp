@@ -1,7 +1,6 @@
 // One value per center → one value per vertex.
 #include "gather/field.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,52 +12,6 @@ namespace paradesc {
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 static constexpr int block = 16384; // of vertices
-
-// The range of values over the centers of each point; NaN if a point has one center, infinity if the value exists at some of its
-// centers only.
-static std::vector<float> spread(const CenterResults &results, const std::vector<float> &values, size_t points) {
-  struct Range {
-    float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
-    int centers = 0, undefined = 0;
-  };
-  std::vector<Range> ranges(points);
-  for (size_t i = 0; i < results.point.size(); ++i) {
-    Range &range = ranges[results.point[i]];
-    ++range.centers;
-    if (std::isnan(values[i])) {
-      ++range.undefined;
-      continue;
-    }
-    range.low = std::min(range.low, values[i]);
-    range.high = std::max(range.high, values[i]);
-  }
-  std::vector<float> result(points, nan);
-  for (size_t i = 0; i < points; ++i) {
-    if (ranges[i].centers < 2 || ranges[i].undefined == ranges[i].centers) continue;
-    result[i] = ranges[i].undefined ? std::numeric_limits<float>::infinity() : ranges[i].high - ranges[i].low;
-  }
-  return result;
-}
-
-// The same for directions, which have two signs: the angle between each center's direction and that of its point's first center.
-static std::vector<float> angles(const CenterResults &results, const std::vector<float> &values, size_t points) {
-  std::vector<int32_t> first(points, -1);
-  std::vector<float> result(results.point.size(), nan);
-  for (size_t i = 0; i < result.size(); ++i) {
-    int32_t &other = first[results.point[i]];
-    if (other < 0) other = static_cast<int32_t>(i);
-    const float *a = &values[3 * i], *b = &values[3 * static_cast<size_t>(other)];
-    result[i] = std::acos(std::min(std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]), 1.0f));
-  }
-  return result;
-}
-
-static std::vector<float> at_vertices(const HalfEdges &half_edges, const std::vector<float> &points) {
-  std::vector<float> vertices;
-  vertices.reserve(half_edges.vertex_point.size());
-  for (const int32_t point : half_edges.vertex_point) vertices.push_back(point >= 0 ? points[point] : nan);
-  return vertices;
-}
 
 // rows: (vertices) the row of each vertex; -1: none. Infinite values become NaN: they overflow a float, such as the volume of a
 // huge sphere.
@@ -129,26 +82,19 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   field.report.coverage_mean = all.with_face ? all.coverage / all.with_face : 0.0;
 }
 
-void gather(const HalfEdges &half_edges, const CenterResults &results, bool with_seam_error, int threads, Field &field) {
-  const auto points = static_cast<size_t>(half_edges.point_count);
-  std::vector<int32_t> primary(points, -1), vertex_center(half_edges.vertex_point.size());
-  for (size_t i = 0; i < results.point.size(); ++i)
-    if (results.primary[i]) primary[results.point[i]] = static_cast<int32_t>(i);
+void gather(const HalfEdges &half_edges, const CenterResults &results, int threads, Field &field) {
+  std::vector<int32_t> vertex_center(half_edges.vertex_point.size());
   parallel_blocks(static_cast<int>(vertex_center.size()), threads, block, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      vertex_center[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[half_edges.vertex_point[i]];
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const int32_t point = half_edges.vertex_point[i];
+      vertex_center[i] = point < 0 || std::isnan(results.coverage[point]) ? -1 : point;
+    }
   });
-  auto add = [&](const std::vector<float> &values, size_t width) {
-    field.values.push_back(pick(vertex_center, values, width, threads));
-    if (!with_seam_error) return;
-    const auto differences = spread(results, width == 3 ? angles(results, values, points) : values, points);
-    field.seam_error.push_back(at_vertices(half_edges, differences));
-  };
   for (size_t i = 0; i < field.names.size(); ++i) {
     const DescriptorRow &row = descriptor_row(find_descriptor(field.names[i].c_str()));
-    add(results.values.empty() ? std::vector<float>() : results.values[i], static_cast<size_t>(row.components));
+    field.values.push_back(pick(vertex_center, results.values[i], static_cast<size_t>(row.components), threads));
   }
-  add(results.coverage, 1);
+  field.values.push_back(pick(vertex_center, results.coverage, 1, threads));
   field.names.emplace_back("coverage");
   fill_mask(half_edges, vertex_center, results, threads, field);
   count(half_edges, threads, field);

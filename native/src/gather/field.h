@@ -12,18 +12,17 @@
 namespace paradesc {
 
 struct Field {
-  std::vector<std::string> names;             // descriptors asked for, then "coverage"
-  std::vector<std::vector<float>> values;     // [name][vertex, component]
-  std::vector<std::vector<float>> seam_error; // [name][vertex], empty if not asked for; for directions: angles in radians
-  std::vector<uint8_t> mask;                  // (vertex_count)
-  std::vector<std::vector<float>> maps;       // [name][texel, component] of texel evaluation, else empty; rows from v = 0 up
+  std::vector<std::string> names;         // descriptors asked for, then "coverage"
+  std::vector<std::vector<float>> values; // [name][vertex, component]
+  std::vector<uint8_t> mask;              // (vertex_count)
+  std::vector<std::vector<float>> maps;   // [name][texel, component] of texel evaluation, else empty; rows from v = 0 up
   int map_size = 0;
   pdesc_field_report report{};
   std::string warnings;
   std::string device; // the device that computed
 };
 
-// Gives every vertex the values at its point's primary center. with_seam_error: also the range over all centers of a point.
-void gather(const HalfEdges &half_edges, const CenterResults &results, bool with_seam_error, int threads, Field &field);
+// Gives every vertex the values at its point. results: at all points.
+void gather(const HalfEdges &half_edges, const CenterResults &results, int threads, Field &field);
 
 } // namespace paradesc

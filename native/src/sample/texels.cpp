@@ -1,4 +1,4 @@
-// Triangles and chart edges → texel centers, as the bake finds them; results at texels → results at wedges.
+// Triangles and chart edges → texel centers, as the bake finds them; results at texels → results at points.
 #include "sample/texels.h"
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 
 #include "bake/seam_links.h"
 #include "descriptor/registry.h"
-#include "sample/pattern.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
 
@@ -137,51 +136,6 @@ TexelMap build_texel_map(const Charts &charts, int size) {
   return map;
 }
 
-static vec3 weights_of(const TexelCenter &center) { return vec3(1.0f - center.weights.x - center.weights.y, center.weights); }
-
-// Interpolates values at a triangle's corners to the center.
-template <class Value, class At> static Value mix_corners(const TexelCenter &center, const At &at) {
-  const vec3 weights = weights_of(center);
-  const auto corner = 3 * static_cast<size_t>(center.triangle);
-  Value sum(0);
-  for (size_t i = 0; i < 3; ++i) sum += at(corner + i) * static_cast<typename Value::value_type>(weights[static_cast<int>(i)]);
-  return sum;
-}
-
-// (u, v) of the center, and of a position slightly inside its triangle: on a border every direction would begin on an edge.
-static vec4 center_uv(const TexelCenter &center, const Charts &charts, int size) {
-  const auto corner = 3 * static_cast<size_t>(center.triangle);
-  const auto at = [&](size_t c) { return charts.corner_uv[c]; };
-  const vec2 uv = center.uv;
-  const vec3 weights = weights_of(center);
-  if (std::min({weights.x, weights.y, weights.z}) > 1e-4f) return vec4(uv, uv);
-  const vec2 way = (at(corner) + at(corner + 1) + at(corner + 2)) / 3.0f - uv;
-  const float texels = length(way) * static_cast<float>(size);
-  return vec4(uv, uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f)));
-}
-
-std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
-                                      const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,
-                                      float ellipse_size, uint32_t seed, size_t first, size_t last) {
-  std::vector<CenterData> centers;
-  centers.reserve(last - first);
-  for (size_t i = first; i < last; ++i) {
-    const TexelCenter &center = map.centers[i];
-    const auto position =
-        mix_corners<dvec3>(center, [&](size_t c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); });
-    const vec3 normal = mix_corners<vec3>(center, [&](size_t c) { return normals.corner(c); });
-    const float span = length(normal);
-    const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
-    const vec4 ellipse = mix_corners<vec4>(center, at_wedge) * ellipse_size;
-    const auto corner = 3 * static_cast<size_t>(center.triangle);
-    centers.push_back({vec3((position - bake_space.center) * bake_space.scale), center.chart,
-                       span > 0.0f ? normal / span : normals.corner(corner),
-                       pattern_rotation(static_cast<uint32_t>(center.texel), seed), center_uv(center, charts, map.size),
-                       ellipse});
-  }
-  return centers;
-}
-
 namespace {
 
 struct Weighted {
@@ -307,49 +261,21 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
   for (size_t k = 0; k < width; ++k) out[k] = total > 0.0f ? sum[static_cast<int>(k)] : nan;
 }
 
-// Removes the rows that have no point.
-static CenterResults without_gaps(CenterResults &&results) {
-  const size_t rows = results.point.size();
-  if (std::find(results.point.begin(), results.point.end(), -1) == results.point.end()) return std::move(results);
-  const auto keep = [&](auto &list) {
-    const size_t width = list.size() / rows;
-    size_t kept = 0;
-    for (size_t i = 0; i < rows; ++i) {
-      if (results.point[i] < 0) continue;
-      std::copy_n(list.begin() + static_cast<ptrdiff_t>(i * width), width, list.begin() + static_cast<ptrdiff_t>(kept));
-      kept += width;
-    }
-    list.resize(kept);
-  };
-  for (auto &values : results.values) keep(values);
-  keep(results.primary);
-  keep(results.coverage);
-  keep(results.boundary);
-  std::erase(results.point, -1);
-  return std::move(results);
-}
-
-CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads) {
+CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, int threads) {
   constexpr int block = 16384;
   const Lookup lookup(map);
-  const size_t count = all_wedges ? charts.wedges.size() : charts.point_wedge.size(), centers = map.centers.size();
+  const size_t count = charts.point_wedge.size(), centers = map.centers.size();
   CenterResults found;
   found.refined_share = results.refined_share;
-  found.point.assign(count, -1);
-  found.primary.resize(count);
-  found.coverage.resize(count);
-  found.boundary.resize(count);
-  for (const auto &values : results.values) found.values.emplace_back(centers ? values.size() / centers * count : 0);
+  found.coverage.assign(count, nan);
+  found.boundary.assign(count, 0);
+  for (const auto &values : results.values) found.values.emplace_back(centers ? values.size() / centers * count : 0, nan);
   parallel_blocks(static_cast<int>(count), threads, block, [&](int begin, int end) {
     std::vector<Weighted> from;
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const int32_t index = all_wedges ? static_cast<int32_t>(i) : charts.point_wedge[i];
-      if (index < 0) continue;
-      const Wedge &wedge = charts.wedges[index];
-      lookup.near(wedge, from);
+      if (charts.point_wedge[i] < 0) continue;
+      lookup.near(charts.wedges[charts.point_wedge[i]], from);
       if (from.empty()) continue;
-      found.point[i] = wedge.point;
-      found.primary[i] = charts.point_wedge[wedge.point] == index;
       for (size_t row = 0; row < results.values.size(); ++row) {
         const size_t width = results.values[row].size() / centers;
         mix_value(from, results.values[row], width, &found.values[row][i * width]);
@@ -359,7 +285,7 @@ CenterResults look_up(const TexelMap &map, const CenterResults &results, const C
       for (const Weighted &one : from) found.boundary[i] |= results.boundary[one.center];
     }
   });
-  return without_gaps(std::move(found));
+  return found;
 }
 
 std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors) {
@@ -373,8 +299,7 @@ std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResul
     images.push_back(std::move(image));
   };
   for (size_t i = 0; i < descriptors.size(); ++i)
-    add(results.values.empty() ? std::vector<float>() : results.values[i],
-        static_cast<size_t>(descriptor_row(descriptors[i]).components));
+    add(results.values[i], static_cast<size_t>(descriptor_row(descriptors[i]).components));
   add(results.coverage, 1);
   return images;
 }

@@ -1,18 +1,13 @@
 // Charts → the texels of a square map over the layout, as centers of evaluation (paper 4.1); and results there → results at
-// wedges.
+// points.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "bake/distortion.h"
 #include "descriptor/results.h"
 #include "mesh/charts.h"
-#include "mesh/normals.h"
-#include "mesh/triangles.h"
-
-#include "shared.h"
 
 namespace paradesc {
 
@@ -36,19 +31,12 @@ struct TexelMap {
 
 TexelMap build_texel_map(const Charts &charts, int size);
 
-// The map's centers [first, last), with position and normal in 32 bits. ellipses: (wedges) for radius 1; ellipse_size: the
-// radius in buffer units, times the enlargement.
-std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
-                                      const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,
-                                      float ellipse_size, uint32_t seed, size_t first, size_t last);
+// results: at all centers of the map → at points, by the primary wedge of each. Values are bilinear between texels of the wedge's
+// own chart. Beside its border, where some texels are missing or have centers off their middles, a plane is fitted to the texels
+// around. A point without a wedge, or without a nearby texel of its chart, has NaN.
+CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, int threads = 0);
 
-// results: at all centers of the map → at wedges; at each point's primary wedge only, unless all_wedges. Values are bilinear
-// between texels of the wedge's own chart. Beside its border, where some texels are missing or have centers off their middles, a
-// plane is fitted to the texels around. A wedge without a nearby texel of its chart has no row.
-CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads = 0);
-
-// An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface. A map without
-// centers has no results at all.
+// An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface.
 std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors);
 
 } // namespace paradesc

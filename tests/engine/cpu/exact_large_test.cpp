@@ -62,7 +62,7 @@ TEST(ExactLarge, triangles_are_summed_around_centers_without_any_corner_in_the_b
   setting.rows = rows_named({"mean_curvature", "euclidean_area", "geodesic_area"});
   const double radius = 0.05, disk = 3.14159265358979 * radius * radius;
   const std::vector<vec3> places{{0.3f, -0.3f, 0}, {0.01f, -0.01f, 0}, {0.2f, 0.2f, 0}, {-0.41f, -0.4f, 0}, {0.97f, -0.5f, 0}};
-  TreeCenters centers;
+  CenterPoints centers;
   for (const vec3 place : places)
     centers.push_back({surface.space.to_buffer(place), {0.0f, 0.0f, 1.0f}, place.x < place.y ? 1 : 0, -1});
   const CenterResults found = surface.evaluate_at(radius, setting, centers);

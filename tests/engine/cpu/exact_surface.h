@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "descriptor/registry.h"
-#include "engine/cpu/center_values.h"
+#include "descriptor/results.h"
 #include "engine/cpu/exact_pass.h"
 #include "engine/cpu/patched_mesh.h"
 #include "engine/reference/reference.h"
@@ -51,8 +51,8 @@ class ExactSurface : public PatchedMesh {
 public:
   using PatchedMesh::PatchedMesh;
 
-  TreeCenters points() const {
-    TreeCenters centers;
+  CenterPoints points() const {
+    CenterPoints centers;
     const std::vector<vec3> at = positions();
     for (int32_t i = 0; i < half_edges.point_count; ++i) {
       const auto point = static_cast<size_t>(i);
@@ -69,17 +69,16 @@ public:
   CenterResults evaluate(double radius, const ExactSetting &setting) const {
     return evaluate(radius, setting, points(), {order.tree.item, group_points(order, group_lanes)});
   }
-  CenterResults evaluate_at(double radius, const ExactSetting &setting, const TreeCenters &centers) const {
+  CenterResults evaluate_at(double radius, const ExactSetting &setting, const CenterPoints &centers) const {
     return evaluate(radius, setting, centers, {});
   }
   ReferenceField reference(double radius, std::span<const int> rows, std::span<const int32_t> at = {}) const {
-    return compute_reference(triangles, half_edges, normals, {.radius = radius, .points = at}, rows, 2,
-                             [](double) { return true; });
+    return compute_reference(triangles, half_edges, normals, {.radius = radius, .points = at}, rows, 2, nullptr);
   }
 
 private:
   // groups: if empty, they follow from the triangles of the centers.
-  CenterResults evaluate(double radius, const ExactSetting &setting, const TreeCenters &centers, CenterGroups groups) const {
+  CenterResults evaluate(double radius, const ExactSetting &setting, const CenterPoints &centers, CenterGroups groups) const {
     EvaluateParams params{};
     params.radius = scaled(radius);
     const bool with_moments = setting.kind == SumKind::fit;
@@ -173,8 +172,8 @@ inline void expect_the_same_bits_everywhere(const ExactSurface &surface, double 
 // Expects that the search finds the same neighborhoods from the triangles of points, whose groups are others. Sums of moments are
 // rounded otherwise then.
 inline void expect_the_same_from_triangles(const ExactSurface &surface, double radius, const ExactSetting &setting) {
-  TreeCenters centers = surface.points();
-  for (TreeCenter &center : centers) center.point = -1;
+  CenterPoints centers = surface.points();
+  for (CenterPoint &center : centers) center.point = -1;
   const CenterResults found = surface.evaluate_at(radius, setting, centers), expected = surface.evaluate(radius, setting);
   EXPECT_EQ(found.boundary, expected.boundary);
   const std::vector<double> rounding(setting.rows.size(), 1e-5);

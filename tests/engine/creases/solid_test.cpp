@@ -32,7 +32,7 @@ struct Subject {
   // (vertex_count)
   std::vector<double> values(const char *name, double radius, bool with_creases = true) const {
     const int row = find_descriptor(name);
-    CenterResults results = results_at_points(half_edges.point_count);
+    CenterResults results = unknown_results(static_cast<size_t>(half_edges.point_count), {});
     results.values = compute_reference(triangles, half_edges, normals, {radius}, std::span(&row, 1), 0, nullptr).values;
     const SurfaceMaps maps;
     const Box box;

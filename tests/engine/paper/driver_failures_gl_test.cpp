@@ -314,7 +314,7 @@ TEST_F(DriverFailures, an_automatic_context_opens_its_software_device_again_afte
 TEST_F(DriverFailures, what_only_a_device_has_ends_with_the_devices_own_sentence) {
   if (!has(PDESC_BACKEND_SOFTWARE)) GTEST_SKIP() << "no software rasterizer";
   script.lose_at = 1;
-  options.seam_error = 1;
+  options.adaptive = 0.05;
   const auto mesh = mesh_on(
       open(PDESC_BACKEND_AUTO, FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
   try {

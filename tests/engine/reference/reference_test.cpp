@@ -347,7 +347,7 @@ TEST(Reference, asks_no_more_after_it_was_told_to_stop) {
   const auto refuse_the_third = [&](double fraction) {
     EXPECT_GE(fraction, 0);
     EXPECT_LE(fraction, 1);
-    return ++calls < 3;
+    if (++calls == 3) throw Error(PDESC_ERROR_CANCELLED, "Told to stop.");
   };
   try {
     compute_reference(subject.triangles, subject.half_edges, subject.normals, {0.3}, rows, 2, refuse_the_third);

@@ -57,7 +57,7 @@ public:
   void evaluate(std::span<const int32_t> group, CenterResults &results);
 
 private:
-  FloodStart start_of(const TreeCenter &center) const;
+  FloodStart start_of(const CenterPoint &center) const;
   void place_centers(std::span<const int32_t> group);
   void find_patches();
   SphereSets sets_of(int32_t item) const;
@@ -113,7 +113,7 @@ GroupWork::GroupWork(const ExactPass &pass)
   centers_.radius = pass.params.radius;
 }
 
-FloodStart GroupWork::start_of(const TreeCenter &center) const {
+FloodStart GroupWork::start_of(const CenterPoint &center) const {
   const PointPatches &patches = pass_.patches;
   if (center.point >= 0) return {patches.node_of_point[center.point], -1};
   const int32_t triangle = patches.place[center.triangle];
@@ -127,7 +127,7 @@ void GroupWork::place_centers(std::span<const int32_t> group) {
   pieces_.clear();
   for (size_t i = 0; i < group_lanes; ++i) {
     const bool is_used = i < group.size();
-    const TreeCenter center = is_used ? pass_.centers[group[i]] : TreeCenter{vec3(nowhere), vec3(0.0f), -1, -1};
+    const CenterPoint center = is_used ? pass_.centers[group[i]] : CenterPoint{vec3(nowhere), vec3(0.0f), -1, -1};
     for (int axis = 0; axis < 3; ++axis) {
       centers_.position[axis][i] = center.position[axis];
       centers_.normal[axis][i] = center.normal[axis];

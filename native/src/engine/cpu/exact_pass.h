@@ -19,7 +19,7 @@ struct ExactPass {
   const PatchSamples &samples; // the triangles and clusters that are summed one by one
   const SampledSurface &sampled;
   SampleLimit limit;
-  const TreeCenters &centers;
+  const CenterPoints &centers;
   const CenterGroups &groups;                 // of at most group_lanes centers
   std::span<const int32_t> piece_of_triangle; // the connected component of each triangle of the mesh
   const MapValues &map;                       // (centers) values of the map for operators; or empty

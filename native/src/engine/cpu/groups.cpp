@@ -14,7 +14,7 @@ namespace paradesc {
 static constexpr float max_width = 1; // half the diagonal of the bounding box of a group, over the radius
 
 // Returns all centers whose triangles are not left out.
-static std::vector<int32_t> in_order(std::span<const int32_t> ranks, const TreeCenters &centers) {
+static std::vector<int32_t> in_order(std::span<const int32_t> ranks, const CenterPoints &centers) {
   int32_t last = -1;
   for (const int32_t rank : ranks) last = std::max(last, rank);
   std::vector<int32_t> begin(static_cast<size_t>(last) + 2, 0);
@@ -31,7 +31,7 @@ static std::vector<int32_t> in_order(std::span<const int32_t> ranks, const TreeC
   return ordered;
 }
 
-CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &centers, float radius, int32_t most) {
+CenterGroups group_centers(std::span<const int32_t> rank, const CenterPoints &centers, float radius, int32_t most) {
   CenterGroups groups{in_order(rank, centers), {0}};
   const auto count = static_cast<int32_t>(groups.center.size());
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -66,7 +66,7 @@ struct Extent {
 
 } // namespace
 
-CenterGroups fit_groups(CenterGroups groups, const TreeCenters &centers, float radius) {
+CenterGroups fit_groups(CenterGroups groups, const CenterPoints &centers, float radius) {
   constexpr float widest = 4.0f; // half of the diagonal over the radius, beyond which a group is divided
   CenterGroups fitted{std::move(groups.center), {0}};
   const auto begin_at = [&](int32_t i) {

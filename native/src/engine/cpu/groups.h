@@ -5,19 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "support/math.h"
-#include "support/unset.h"
+#include "sample/center_point.h"
 
 namespace paradesc {
-
-// A place of evaluation.
-struct TreeCenter {
-  vec3 position;
-  vec3 normal;      // unit
-  int32_t triangle; // the triangle that it lies on
-  int32_t point;    // the point of the mesh that it is; or -1
-};
-using TreeCenters = UnsetVector<TreeCenter>;
 
 struct CenterGroups {
   std::vector<int32_t> center; // the centers whose triangles are not left out, group by group
@@ -26,10 +16,10 @@ struct CenterGroups {
 
 // Groups have at most `most` centers, and are no wider than a fixed multiple of the radius. rank: the places of triangles in an
 // order in which neighbors are near each other on the surface; -1: left out.
-CenterGroups group_centers(std::span<const int32_t> rank, const TreeCenters &centers, float radius, int32_t most);
+CenterGroups group_centers(std::span<const int32_t> rank, const CenterPoints &centers, float radius, int32_t most);
 
 // Joins groups that follow each other while they have at most group_lanes centers and are no wider than that, such as small parts
 // of a mesh, and divides groups that are many radii wide.
-CenterGroups fit_groups(CenterGroups groups, const TreeCenters &centers, float radius);
+CenterGroups fit_groups(CenterGroups groups, const CenterPoints &centers, float radius);
 
 } // namespace paradesc

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "descriptor/registry.h"
-#include "engine/cpu/center_values.h"
 #include "engine/cpu/exact_pass.h"
 #include "engine/cpu/point_clusters.h"
 #include "engine/memory.h"
@@ -32,7 +31,11 @@ Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   return {options.samples, large};
 }
 
-static bool has_moments(const PassInputs &of) { return of.plan(of.pass.rows).kind == SumKind::fit; }
+static SumPlan plan_of(const PassInputs &of, std::span<const int> rows) {
+  return plan_sums(rows, of.request.options, of.pass.stage == Stage::windows);
+}
+
+static bool has_moments(const PassInputs &of) { return plan_of(of, of.pass.rows).kind == SumKind::fit; }
 
 // Returns the largest spread of a sample. Operators read a map, whose derivatives magnify what samples leave out.
 static float largest_spread(const PassInputs &of) {
@@ -132,14 +135,14 @@ SummedSurface::SummedSurface(const PassInputs &of, SummedMesh &kept)
   samples_ = list_samples(sampled_, limit_, which);
 }
 
-CenterResults SummedSurface::at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
+CenterResults SummedSurface::at(const CenterPoints &centers, const MapValues &map, std::span<const int> rows,
                                 const std::function<void(double)> &progress) const {
   CenterResults results = unknown_results(centers.size(), rows);
   const bool are_points = centers.size() == order_.tree.item.size() && (centers.empty() || centers[0].point >= 0);
   const CenterGroups groups = are_points ? fit_groups({order_.tree.item, order_.group_begin}, centers, of_.scaled_radius())
                                          : group_centers(patches_.node_of_triangle, centers, of_.scaled_radius(), group_lanes);
   evaluate_exactly({patches_, sampled_.surface, samples_, sampled_, limit_, centers, groups,
-                    of_.surface.half_edges.triangle_piece, map, ball_targets()[0], sum_targets()[0], of_.plan(rows), params_,
+                    of_.surface.half_edges.triangle_piece, map, ball_targets()[0], sum_targets()[0], plan_of(of_, rows), params_,
                     rows, of_.resources.threads, progress},
                    results);
   return results;

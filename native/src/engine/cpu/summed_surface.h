@@ -14,21 +14,6 @@
 
 namespace paradesc {
 
-// The inputs of one pass.
-struct PassInputs {
-  const Surface &surface;
-  const Request &request;
-  const BakeSpace &space;
-  const Pass &pass;
-  const MapValues *map; // or null
-  const Resources &resources;
-
-  // The radius in units of the positions, and in those of the space.
-  double radius() const { return radius_of(pass, request.options, request.radius); }
-  float scaled_radius() const { return static_cast<float>(radius() * space.scale); }
-  SumPlan plan(std::span<const int> rows) const { return plan_sums(rows, request.options, pass.stage == Stage::windows); }
-};
-
 // The resolution of a surface. A disk of the radius has about `samples` samples. The rim cuts triangles exactly, so these may be
 // larger than clusters. They may be much larger for values that do not depend on the last percent of an area, or on the center's
 // immediate surroundings.
@@ -55,7 +40,7 @@ public:
   SummedSurface(const PassInputs &of, SummedMesh &kept);
 
   // map: values at the centers, if there is a map.
-  CenterResults at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
+  CenterResults at(const CenterPoints &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const;
 
 private:

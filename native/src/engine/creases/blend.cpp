@@ -110,7 +110,7 @@ bool CreaseBlend::changes(std::span<const int> rows) const { return solid_ && st
 
 static constexpr double share_before = 0.5;
 
-CreaseBlend::Part CreaseBlend::before(const Part &whole) const {
+Part CreaseBlend::before(const Part &whole) const {
   if (!solid_) return whole;
   return [whole](double done) { whole(share_before * done); };
 }
@@ -162,11 +162,11 @@ void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results, c
   if (!changes(rows)) return;
   const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
-    const int32_t point = results.point[i];
+    const auto point = static_cast<int32_t>(i);
     return SolidPlace{dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[point]]), normals.point[point],
                       surface_.half_edges.point_half_edge[point] / 3, point};
   };
-  blend(rows, results.point.size(), find_place, results, whole);
+  blend(rows, results.boundary.size(), find_place, results, whole);
 }
 
 void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results,

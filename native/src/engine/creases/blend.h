@@ -16,8 +16,6 @@ namespace paradesc {
 // none of the rows depends on curvature.
 class CreaseBlend {
 public:
-  using Part = std::function<void(double)>; // takes the share of a pass that is done, and may throw to end it
-
   CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
 
   CreaseBlend(const CreaseBlend &) = delete;
@@ -26,8 +24,8 @@ public:
   // Returns the progress function for the steps before blending. It covers half of the pass, since blending often takes as long.
   Part before(const Part &whole) const;
 
-  // results: of some of the rows, at points, in units of the positions. Rows that do not depend on curvature stay unchanged.
-  // whole: gets the progress of the second half; without it the caller's cancel scope remains.
+  // results: of some of the rows, at the first points, in units of the positions. Rows that do not depend on curvature stay
+  // unchanged. whole: gets the progress of the second half; without it the caller's cancel scope remains.
   void at_points(std::span<const int> rows, CenterResults &results, const Part &whole = {}) const;
   // Blends the results of texels from `first` on.
   void at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results,

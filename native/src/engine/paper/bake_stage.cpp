@@ -113,27 +113,13 @@ std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space,
   return sampling_ellipses(job.surface.triangles, charts, space, corners, step);
 }
 
-CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, double radius) {
-  const pdesc_options &options = job.options();
-  return {options.seam_error != 0, options.seed, options.buffer_size,
-          static_cast<float>(radius * frame.space.scale) * frame.enlargement};
-}
-
 // Sets the frame's radius in texels.
-void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
+void TextureSpace::measure_radius(const Job &job, Frame &frame) {
   const Charts &charts = job.charts();
   const size_t step = std::max<size_t>(1, charts.wedges.size() / 128); // a sample is enough for the median
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
-  frame.radius_in_texels = median_radius_in_texels(charts, center_options(job, frame, radius),
-                                                   static_cast<float>(radius * frame.space.scale), sizes, step);
-}
-
-std::vector<CenterData> TextureSpace::describe(const Job &job, const Frame &frame, const Centers &centers, double radius) {
-  const Surface &surface = job.surface;
-  std::vector<CenterData> data =
-      describe_centers(job.charts(), center_options(job, frame, radius), centers, ellipses(job, frame.space, 1));
-  place_centers({surface.triangles, surface.half_edges, surface.normals(), frame.space, frame.displaced}, centers, data);
-  return data;
+  frame.radius_in_texels = median_radius_in_texels(charts, job.options().buffer_size,
+                                                   static_cast<float>(job.request.radius * frame.space.scale), sizes, step);
 }
 
 } // namespace paradesc

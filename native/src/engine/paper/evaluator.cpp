@@ -7,7 +7,6 @@
 
 #include "descriptor/registry.h"
 #include "engine/paper/compose.h"
-#include "sample/centers.h"
 #include "sample/pattern.h"
 
 namespace paradesc {

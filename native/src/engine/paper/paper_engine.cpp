@@ -20,10 +20,6 @@ public:
       : software_(software), thread_(std::make_shared<GlThread>(software, device_index, substitute)) {}
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
-  // Shaders store chart numbers in floats, which are exact up to 2^24, and there may be as many charts as triangles.
-  Abilities abilities() const override {
-    return {.texture_space = true, .surface_maps = true, .texels = true, .max_triangles = 1 << 24};
-  }
   bool lost() const override { return thread_->lost(); }
   std::unique_ptr<Session> open_session() override { return open_texture_space(thread_, software_); }
 
@@ -55,7 +51,7 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !size.surface_maps ? 32 : 48) + 8 +
                           8 // borders, depth and owners of a layout
                           + (reads_map(size.descriptors) ? 16 : 0);
-  const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? centers_of_texels : size.wedges;
+  const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? static_cast<int64_t>(texels_of_band) : size.wedges;
   int64_t bytes = texels * a_texel + size.triangles * 76 + size.points * 24 + size.wedges * 32 + size.borders * 100 +
                   centers * (200 + 4 * rows_of(size.descriptors)) + bytes_of_marches(options, centers);
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
@@ -68,10 +64,8 @@ MemoryForecast forecast_paper_memory(bool software, const ComputationSize &size)
   MemoryForecast memory;
   memory.device = bytes_of_device(size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
-  memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 +
-                size.wedges * 160 + size.borders * 300;
-  if (options.evaluate == PDESC_EVALUATE_TEXEL)
-    memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(size.descriptors));
+  memory.host =
+      int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 + size.wedges * 160 + size.borders * 300;
   return memory;
 }
 

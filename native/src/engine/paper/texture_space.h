@@ -12,16 +12,14 @@
 #include "bake/bake_vertices.h"
 #include "bake/distortion.h"
 #include "bake/surface_maps.h"
-#include "descriptor/passes.h"
 #include "engine/engine.h"
+#include "engine/paper/centers.h"
 #include "engine/paper/device_surface.h"
 #include "engine/paper/evaluator.h"
 #include "engine/paper/geometry_buffer.h"
 #include "engine/paper/gl_thread.h"
 #include "engine/paper/map_buffer.h"
 #include "engine/paper/surface_mapper.h"
-#include "sample/centers.h"
-#include "sample/texels.h"
 #include "support/keyed.h"
 
 namespace paradesc {
@@ -77,7 +75,6 @@ struct Job {
   const Surface &surface;
   const Request &request;
   const Resources &resources;
-  const Progress &progress;
   const pdesc_options &options() const { return request.options; }
   // The default, connected, is beyond samples that march; affine stands for it.
   bool paper() const { return request.options.relocation == PDESC_RELOCATION_PAPER; }
@@ -89,7 +86,9 @@ public:
   TextureSpace(std::shared_ptr<GlThread> thread, bool software) : gl_(std::move(thread)), software_(software) {}
   ~TextureSpace() override;
 
-  Computed compute(const Surface &surface, const Request &request, const Resources &resources, const Progress &progress) override;
+  void prepare(const Surface &surface, const Request &request, const Resources &resources, const Progress &progress,
+               pdesc_field_report &report) override;
+  EvaluatePass start(const PassInputs &pass) override;
   int buffer_size() const override;
   ReadBuffer read_buffer(const std::string &name, const Atlas &atlas) override;
 
@@ -111,22 +110,15 @@ private:
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
   std::vector<vec4> ellipses(const Job &job, const BakeSpace &space, int step);
-  void measure_radius(const Job &job, Frame &frame, double radius);
-  static CenterOptions center_options(const Job &job, const Frame &frame, double radius);
-  std::vector<CenterData> describe(const Job &job, const Frame &frame, const Centers &centers, double radius);
+  void measure_radius(const Job &job, Frame &frame);
 
   // evaluate_stage.cpp
-  EvaluateSettings settings_of(const Job &job, const Frame &frame);
-  CenterResults evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, const Progress &progress,
-                         double from, double to);
-  void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
-                      double to);
-  CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, size_t count) const;
-  void bake_map(const Job &job, const Centers &centers, const MapValues &values);
-
-  // texture_space.cpp
-  void at_vertices(const Job &job, Frame &frame, Computed &computed);
-  void at_texels(const Job &job, Frame &frame, Computed &computed);
+  EvaluateSettings settings_of(const PassInputs &pass, const Job &job, std::span<const int> rows) const;
+  CenterResults evaluate(const PassInputs &pass, const std::vector<vec4> &ellipses, const Centers &centers,
+                         std::span<const int> rows, const Part &progress);
+  void evaluate_tiles(const Resources &resources, const EvaluateSettings &settings, const Part &progress);
+  CenterResults results_of(const EvaluateSettings &settings, size_t count, const std::vector<int32_t> &numbers) const;
+  void bake_map(const PassInputs &pass);
 
   std::shared_ptr<GlThread> gl_;
   bool software_;
@@ -138,12 +130,9 @@ private:
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
   Keyed<BakeKey, BakeSpace> baked_;                                  // the bake that the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
-  Keyed<AtlasSize, TexelMap> texels_;
+  Frame frame_;                                                      // of the last prepare()
   std::vector<float> rows_; // results of the last centers: a new array would take as long to allocate
 };
-
-// The most texels that are centers at once.
-inline constexpr int centers_of_texels = 1 << 15;
 
 std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);
 

@@ -391,7 +391,7 @@ constexpr Row rows[] = {
 
 ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
                                  const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
-                                 const std::function<bool(double)> &progress) {
+                                 const std::function<void(double)> &progress) {
   const Surface surface{triangles, half_edges, normals, settings.map};
   const auto count = static_cast<size_t>(half_edges.point_count);
   ReferenceField field;
@@ -402,8 +402,7 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   const int requested = all ? half_edges.point_count : static_cast<int>(settings.points.size());
   std::atomic<int> done{0};
   const CancelScope cancel([&] {
-    if (progress && !progress(static_cast<double>(done) / requested))
-      throw Error(PDESC_ERROR_CANCELLED, "The computation was cancelled by its progress callback.");
+    if (progress) progress(static_cast<double>(done) / requested);
   });
   parallel_blocks(requested, threads, block_size, [&](int begin, int end) {
     floods.with_one([&] { return Flood(surface); },

@@ -58,9 +58,9 @@ struct ReferenceSettings {
   std::span<const int32_t> points = {}; // to compute at; empty: at all. Values at other points are NaN
 };
 
-// descriptors: indices into the registry. progress(fraction) returns false to cancel: then Error(CANCELLED) is thrown.
+// descriptors: indices into the registry. progress(fraction) may throw to cancel.
 ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
                                  const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
-                                 const std::function<bool(double)> &progress);
+                                 const std::function<void(double)> &progress);
 
 } // namespace paradesc

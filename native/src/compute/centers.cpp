@@ -1,5 +1,5 @@
 // Points and texels → positions, normals and triangles.
-#include "engine/cpu/centers.h"
+#include "compute/centers.h"
 
 #include <limits>
 
@@ -9,8 +9,8 @@ namespace paradesc {
 
 static constexpr int block = 4096; // of centers
 
-TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads) {
-  TreeCenters centers(static_cast<size_t>(count));
+CenterPoints centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads) {
+  CenterPoints centers(static_cast<size_t>(count));
   const Normals &normals = surface.normals();
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
@@ -35,7 +35,7 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
 static vec3 weights_of(const TrianglePlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
 
 // Interpolates the position in 64 bits and the normal in 32 bits.
-static TreeCenter center_at(const Surface &surface, const Normals &normals, const BakeSpace &space, const TrianglePlace &place) {
+static CenterPoint center_at(const Surface &surface, const Normals &normals, const BakeSpace &space, const TrianglePlace &place) {
   const vec3 weights = weights_of(place);
   dvec3 position(0.0);
   vec3 sum(0.0f);
@@ -48,9 +48,9 @@ static TreeCenter center_at(const Surface &surface, const Normals &normals, cons
           span > 0.0f ? sum / span : normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle, -1};
 }
 
-TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
-                              int threads) {
-  TreeCenters centers(last - first);
+CenterPoints centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
+                               int threads) {
+  CenterPoints centers(last - first);
   const Normals &normals = surface.normals();
   parallel_blocks(static_cast<int>(centers.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
