@@ -29,17 +29,11 @@
 #define UNIT_COLORS 16   // image, RGBA32F: normal map
 #define UNIT_INPUT_UV 17 // list, RG32F: the caller's (u, v) of each bake vertex
 #define UNIT_TANGENTS 18 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
-// For the current mesh.
-#define UNIT_MESH_POSITIONS 19 // buffer texture, RGB32F, one a vertex: in the caller's units
-#define UNIT_TRIANGLES 20      // buffer texture, RGB32I: the vertices of each triangle
-#define UNIT_MESH_NORMALS 21   // buffer texture, RGB32F
-#define UNIT_SOURCES 22        // buffer texture: vertex, normal
-#define UNIT_COUNT 23
+#define UNIT_COUNT 19
 
 // Uniforms of programs with few parameters. Programs over centers use EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
-#define LOCATION_FIRST 2 // first invocation, and the one after the last
-#define LOCATION_LAST 3
+#define LOCATION_FIRST 2 // first row of texels
 #define LOCATION_MIDLEVEL 6 // for displacing baked texels
 #define LOCATION_HEIGHT_SCALE 7 // in buffer units
 #define LOCATION_AREA_UNIT 30   // for every program that writes or reads the area element
@@ -51,9 +45,8 @@
 
 // Uniform blocks.
 #define BLOCK_EVALUATE 0
-#define BLOCK_SPACE 1
 
-// Bindings of storage buffers. A number may recur in programs of different kinds: drivers often have only 16.
+// Bindings of storage buffers; drivers often have only 16.
 #define BINDING_CENTERS 0
 #define BINDING_RESULTS 1
 #define BINDING_MAP_CENTERS 2 // gradient and value of the map at each center
@@ -63,9 +56,6 @@
 #define BINDING_SEAMS 6     // the seam of each border
 #define BINDING_VISITS 7    // (centers of one dispatch, MAX_VISITS)
 #define BINDING_COUNT 8
-// For the programs that place the mesh.
-#define BINDING_PLACES 0 // position and normal, two vectors of four
-#define BINDING_FACES 1  // output: UNIT_FACES
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // the most charts, each entered by one seam, on which a center's pattern is repeated
 

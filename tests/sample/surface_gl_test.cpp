@@ -37,7 +37,7 @@ struct Baked {
       GeometryBuffer buffer(gl, size);
       const BakeInput input{triangles, charts, vertices, bake_space};
       counts = draw_layout(buffer, programs, input);
-      draw_frame(gl, buffer, programs, input, normals);
+      draw_frame(buffer, programs, input, normals);
       positions = buffer.read_position();
       normal_texels = buffer.read_normal();
       distortion = buffer.read_distortion(programs);

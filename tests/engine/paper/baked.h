@@ -27,18 +27,14 @@ struct Buffers {
 };
 
 inline TexelCounts draw_layout(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input) {
-  buffer.begin_layout(input.triangles, input.charts, input.vertices);
+  buffer.begin_layout(input.charts, input.vertices);
   buffer.draw_triangles(programs, 0, buffer.triangle_count());
   buffer.draw_borders(programs);
   return buffer.end_layout(programs);
 }
 
-inline void draw_frame(const Gl &gl, GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input,
-                       const Normals &normals) {
-  DeviceSurface surface;
-  surface.set_positions(gl, input.triangles, input.bake_space, 0);
-  surface.set_normals(gl, normals);
-  buffer.place_vertices(programs, input, surface);
+inline void draw_frame(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input, const Normals &normals) {
+  buffer.place_vertices(input, normals);
   buffer.draw_surface(programs, 0, buffer.size());
 }
 
@@ -57,7 +53,7 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
     GeometryBuffer buffer(gl, size, half);
     const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
     buffers.counts = draw_layout(buffer, programs, input);
-    for (int i = 0; i < bakes; ++i) draw_frame(gl, buffer, programs, input, buffers.normals);
+    for (int i = 0; i < bakes; ++i) draw_frame(buffer, programs, input, buffers.normals);
     buffers.position = buffer.read_position();
     buffers.normal = buffer.read_normal();
     buffers.distortion = buffer.read_distortion(programs);

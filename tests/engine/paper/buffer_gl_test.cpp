@@ -75,7 +75,7 @@ TEST_F(Buffers, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
     };
     BufferTexture buffer;
     expect_refused(16, PDESC_ERROR_UNSUPPORTED,
-                   [&](size_t count) { buffer.upload(small, GL_RGBA32F, elements.data(), count, GL_STATIC_DRAW); });
+                   [&](size_t count) { buffer.upload(small, GL_RGBA32F, std::vector<vec4>(count), GL_STATIC_DRAW); });
     ListTexture texture;
     expect_refused(2 * LIST_ROW, PDESC_ERROR_OUT_OF_MEMORY,
                    [&](size_t count) { texture.upload(small, GL_RGBA32F, elements.data(), count); });

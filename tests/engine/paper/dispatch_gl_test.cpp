@@ -104,19 +104,6 @@ protected:
 constexpr const char *results = "layout(std430, binding = BINDING_RESULTS) buffer Results { uint results[]; };\n"
                                 "layout(location = LOCATION_FIRST) uniform int first;\n";
 
-TEST_F(SlowDevice, gets_fewer_invocations_at_once_and_computes_each_once) {
-  constexpr int count = 5000;
-  const std::string text =
-      std::string("#version 450 core\n#include \"device.glsl\"\n#include \"shared.h\"\n"
-                  "layout(local_size_x = GROUP_SIZE) in;\nlayout(location = LOCATION_LAST) uniform int last;\n") +
-      results + "void main() {\n  int i = first + int(gl_GlobalInvocationID.x);\n  if (i < last) ++results[i];\n}\n";
-  const auto times = computed(count, text, [&](const Gl &gl) { dispatch_invocations(gl, count, 2048); });
-  EXPECT_EQ(times, std::vector<uint32_t>(count, 1));
-  ASSERT_GE(dispatched.size(), 4u);
-  EXPECT_LT(2 * dispatched[1], dispatched[0] + 1);
-  EXPECT_LT(2 * dispatched[2], dispatched[1] + 1);
-}
-
 TEST_F(SlowDevice, gets_fewer_texels_at_once_and_computes_each_once) {
   constexpr int size = 2000; // not whole groups
   const std::string text =

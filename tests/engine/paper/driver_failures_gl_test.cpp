@@ -177,8 +177,8 @@ protected:
   pdesc_options options;
 };
 
-// Vertices of the bake, then two tiles of centers.
-constexpr int first_dispatches[] = {1, 2, 3};
+// Two tiles of centers.
+constexpr int first_dispatches[] = {1, 2};
 
 TEST_F(DriverFailures, a_machine_without_the_systems_library_is_told_so) {
   const std::string word = std::string(test::driver_library) + " was not found";

@@ -28,7 +28,7 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
     GeometryBuffer buffer(gl, 256);
     const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
     draw_layout(buffer, programs, input);
-    draw_frame(gl, buffer, programs, input, normals);
+    draw_frame(buffer, programs, input, normals);
     MapBuffer maps(gl, 256);
     maps.bake(programs, buffer, {built.half_edges, vertices, values});
     map = maps.read();

@@ -94,7 +94,7 @@ protected:
       SurfaceMapper mapper;
       const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
       draw_layout(buffer, programs, input);
-      draw_frame(gl, buffer, programs, input, buffers.normals);
+      draw_frame(buffer, programs, input, buffers.normals);
       mapper.run(gl, programs, buffer, input, buffers.normals, maps);
       buffers.position = buffer.read_position();
       buffers.normal = buffer.read_normal();

@@ -38,7 +38,7 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
       if (!device_->buffer || device_->buffer->size() != size || device_->buffer->half() != key.half)
         device_->buffer = std::make_unique<GeometryBuffer>(gl, size, key.half);
       device_->evaluator.set_borders(gl, grid);
-      device_->buffer->begin_layout(job.surface.triangles, charts, vertices);
+      device_->buffer->begin_layout(charts, vertices);
     });
     const int count = device_->buffer->triangle_count();
     for (int first = 0; first < count; first += drawn_at_once)
@@ -62,11 +62,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   const BakeInput input{surface.triangles, job.charts(), vertices_.value(), frame.space};
   GeometryBuffer &buffer = *device_->buffer;
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
-  step([&](const Gl &gl, ProgramCache &) {
-    device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);
-    device_->surface.set_normals(gl, normals);
-  });
-  step([&](const Gl &, ProgramCache &programs) { buffer.place_vertices(programs, input, device_->surface); });
+  step([&](const Gl &, ProgramCache &) { buffer.place_vertices(input, normals); });
   for (int first = 0; first < size; first += rows)
     step([&](const Gl &gl, ProgramCache &programs) {
       buffer.draw_surface(programs, first, std::min(first + rows, size));

@@ -47,37 +47,12 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
-size_t BufferTexture::texel_bytes(GLenum format) {
-  switch (format) {
-  case GL_RG32I:
-    return sizeof(ivec2);
-  case GL_RGB32I:
-  case GL_RGB32F:
-    return sizeof(vec3);
-  default:
-    return sizeof(vec4);
-  }
-}
-
-void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {
-  check_texels(gl, texels);
-  buffer_.reserve(gl, texels * texel_bytes(format));
-  make_texture(gl, format);
-}
-
-void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage) {
-  check_texels(gl, texels);
-  buffer_.fill(gl, data, texels * texel_bytes(format), usage);
-  make_texture(gl, format);
-}
-
-void BufferTexture::check_texels(const Gl &gl, size_t texels) {
+void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t bytes, GLenum usage) {
+  const size_t texels = bytes / sizeof(vec4);
   if (texels > static_cast<size_t>(gl.limits.list_texels))
     throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" + std::to_string(texels) +
                                              " list elements); use the reference backend.");
-}
-
-void BufferTexture::make_texture(const Gl &gl, GLenum format) {
+  buffer_.fill(gl, data, bytes, usage);
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);

@@ -57,26 +57,14 @@ private:
 // storage buffers one element at a time.
 class BufferTexture {
 public:
-  // Pairs of integers (GL_RG32I).
-  void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
-    upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
-  }
-  // texels have the format GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same one. data
-  // may be NULL: shaders then write into buffer_id.
-  void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
-  // Uploads a list whose elements are whole texels, or single numbers of texels.
+  // Elements are one texel each, or several. Texels have the format GL_RGBA32F or GL_RGBA32I, always the same one.
   template <class Element> void upload(const Gl &gl, GLenum format, const std::vector<Element> &list, GLenum usage) {
-    upload(gl, format, list.data(), list.size() * sizeof(Element) / texel_bytes(format), usage);
+    upload(gl, format, list.data(), list.size() * sizeof(Element), usage);
   }
-  // Makes room for texels that shaders write, as Buffer::reserve does.
-  void reserve(const Gl &gl, GLenum format, size_t texels);
   GLuint id() const { return name_.id(); }
-  GLuint buffer_id() const { return buffer_.id(); }
 
 private:
-  static size_t texel_bytes(GLenum format);
-  static void check_texels(const Gl &gl, size_t texels);
-  void make_texture(const Gl &gl, GLenum format);
+  void upload(const Gl &gl, GLenum format, const void *data, size_t bytes, GLenum usage);
 
   Buffer buffer_;
   GlName<&Gl::DeleteTextures> name_;

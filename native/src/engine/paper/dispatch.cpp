@@ -14,36 +14,17 @@ int next_tile(int tile, double seconds, int smallest, int group) {
   return std::max(smallest, static_cast<int>(std::min(tile * scale, 1e9)) / group * group);
 }
 
-// Returns without waiting for the last tile.
-static void dispatch_in_tiles(const Gl &gl, int count, const TileSizes &sizes, const auto &start) {
-  in_tiles(
-      0, count, sizes,
-      [&](int first, int last) {
-        start(first, last);
-        if (last < count) gl.Finish();
-      },
-      [](int) {});
-}
-
-void dispatch_once(const Gl &gl, int first, int last) {
-  gl.Uniform1i(LOCATION_FIRST, first);
-  gl.Uniform1i(LOCATION_LAST, last);
-  gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-}
-
-void dispatch_invocations(const Gl &gl, int count, int64_t first_tile) {
-  const int group = gl.limits.group_size, largest = 65535 * group;
-  const auto tile = static_cast<int>(std::clamp<int64_t>(first_tile / group * group, group, largest));
-  dispatch_in_tiles(gl, count, {tile, group, largest, group}, [&](int first, int last) { dispatch_once(gl, first, last); });
-}
-
 void dispatch_texels(const Gl &gl, int size) {
   constexpr int side = 8, first_tile = 1 << 20; // texels
   const int groups = (size + side - 1) / side, rows = std::max(1, first_tile / (size * side));
-  dispatch_in_tiles(gl, groups, {rows, 1, groups, 1}, [&](int first, int last) {
-    gl.Uniform1i(LOCATION_FIRST, first * side);
-    gl.DispatchCompute(static_cast<GLuint>(groups), static_cast<GLuint>(last - first), 1);
-  });
+  in_tiles(
+      0, groups, {rows, 1, groups, 1},
+      [&](int first, int last) {
+        gl.Uniform1i(LOCATION_FIRST, first * side);
+        gl.DispatchCompute(static_cast<GLuint>(groups), static_cast<GLuint>(last - first), 1);
+        if (last < groups) gl.Finish();
+      },
+      [](int) {});
 }
 
 } // namespace paradesc

@@ -37,15 +37,8 @@ void in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute
   }
 }
 
-// Runs the program in use over invocations [first, last) in one dispatch, passing the two as LOCATION_FIRST and LOCATION_LAST.
-void dispatch_once(const Gl &gl, int first, int last);
-
-// Runs the program over `count` invocations, in as many dispatches as needed; first_tile: the size of the first one, before any
-// time is known.
-void dispatch_invocations(const Gl &gl, int count, int64_t first_tile);
-
-// Runs the program over the texels of a square buffer, some rows of 8 x 8 groups per dispatch. LOCATION_FIRST is the first row of
-// a dispatch.
+// Runs the program in use over the texels of a square buffer, some rows of 8 x 8 groups per dispatch. LOCATION_FIRST is the first
+// row of a dispatch.
 void dispatch_texels(const Gl &gl, int size);
 
 } // namespace paradesc

@@ -81,12 +81,11 @@ CenterResults TextureSpace::evaluate(const PassInputs &pass, const std::vector<v
   std::vector<vec4> map;
   for (const int32_t i : numbers)
     if (centers.map) map.push_back((*centers.map)[i]);
-  gl_->run([&](const Gl &gl, ProgramCache &programs) {
+  gl_->run([&](const Gl &gl, ProgramCache &) {
     device_->evaluator.set_centers(gl, described);
     device_->evaluator.set_map(gl, map);
     device_->evaluator.set_links(gl, frame_.links, frame_.seams);
     device_->evaluator.begin(gl, settings);
-    if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
   });
   evaluate_tiles(pass.resources, settings, progress);
   gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.read(gl, settings, rows_); });

@@ -35,6 +35,18 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
+void Evaluator::set_faces(const Gl &gl, const Triangles &triangles) {
+  std::vector<vec4> faces;
+  faces.reserve(static_cast<size_t>(triangles.triangle_count));
+  for (int32_t t = 0; t < triangles.triangle_count; ++t) {
+    const dvec3 a(triangles.position(3 * t)), b(triangles.position(3 * t + 1)), c(triangles.position(3 * t + 2));
+    const dvec3 product = cross(b - a, c - a);
+    const double size = length(product);
+    faces.emplace_back(size > 0.0 ? vec3(product / size) : vec3(0.0f), 0.0f);
+  }
+  faces_.upload(gl, GL_RGBA32F, faces, GL_STREAM_DRAW);
+}
+
 void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers) {
   map_centers_.upload(gl, centers, GL_STREAM_DRAW);
   check_gl(gl, "map upload");
@@ -167,7 +179,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     settings.map->bind();
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
   }
-  if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_);
+  if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,

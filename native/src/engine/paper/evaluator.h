@@ -63,8 +63,8 @@ public:
   int center_count() const { return count_; }
   // Makes room for the results of the centers.
   void begin(const Gl &gl, const EvaluateSettings &settings);
-  // texture: as for UNIT_FACES, for settings that ask for faces.
-  void use_faces(GLuint texture) { faces_ = texture; }
+  // Uploads the unit normals of triangles, for settings that ask for faces.
+  void set_faces(const Gl &gl, const Triangles &triangles);
   // Sets the map's values at the centers.
   void set_map(const Gl &gl, const std::vector<vec4> &centers);
   // Computes centers [first, last), in as many dispatches as their memory requires; returns when the device has finished.
@@ -84,7 +84,7 @@ private:
   Texture border_;
   ListTexture border_list_, border_uv_, links_;
   Buffer params_, centers_, pattern_, results_, seams_, visits_, stretches_, progress_, map_centers_;
-  GLuint faces_ = 0;
+  BufferTexture faces_;
   int count_ = 0;
 };
 

@@ -59,7 +59,7 @@ static std::vector<EdgeData> edge_data(const Charts &charts) {
   return edges;
 }
 
-void GeometryBuffer::begin_layout(const Triangles &triangles, const Charts &charts, const BakeVertices &vertices) {
+void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vertices) {
   const auto count = charts.triangle_chart.size();
   std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // all zero for triangles on no chart: one point, which draws nothing
   std::vector<ivec4> corners(count, ivec4(0));
@@ -75,15 +75,11 @@ void GeometryBuffer::begin_layout(const Triangles &triangles, const Charts &char
     area_in_map_ += area;
   }
   triangle_count_ = vertices.corner.empty() ? 0 : static_cast<int>(count);
-  std::vector<ivec2> sources;
-  for (size_t i = 0; i < vertices.corner.size(); ++i)
-    sources.emplace_back(triangles.corner_vertex[vertices.corner[i]], vertices.group[i]);
-  places_.emplace(gl_, sources);
-  corner_uvs_.upload(gl_, GL_RGBA32F, corner_uvs.data(), corner_uvs.size(), GL_STATIC_DRAW);
-  corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
+  corner_uvs_.upload(gl_, GL_RGBA32F, corner_uvs, GL_STATIC_DRAW);
+  corners_.upload(gl_, GL_RGBA32I, corners, GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(charts);
   drawing_ = std::make_unique<Drawing>();
-  drawing_->edges.upload(gl_, GL_RGBA32I, edges.data(), 2 * edges.size(), GL_STATIC_DRAW);
+  drawing_->edges.upload(gl_, GL_RGBA32I, edges, GL_STATIC_DRAW);
   drawing_->edge_count = static_cast<GLsizei>(edges.size());
   drawing_->depth = Texture(gl_, size_, size_, GL_DEPTH_COMPONENT32F);
   const GLuint framebuffer = layout_framebuffer_.id();
@@ -162,9 +158,14 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
 
 // ---- A frame
 
-void GeometryBuffer::place_vertices(ProgramCache &programs, const BakeInput &input, const DeviceSurface &surface) {
-  vertices_.reserve(gl_, GL_RGBA32F, 2 * static_cast<size_t>(places_->count()));
-  surface.place(gl_, programs, *places_, vertices_.buffer_id());
+void GeometryBuffer::place_vertices(const BakeInput &input, const Normals &normals) {
+  std::vector<vec4> places;
+  places.reserve(2 * input.vertices.corner.size());
+  for (size_t i = 0; i < input.vertices.corner.size(); ++i) {
+    places.emplace_back(input.bake_space.to_buffer(input.triangles.position(input.vertices.corner[i])), 0.0f);
+    places.emplace_back(normals.group[input.vertices.group[i]], 0.0f);
+  }
+  vertices_.upload(gl_, GL_RGBA32F, places, GL_STREAM_DRAW);
   set_area_unit(input);
 }
 
@@ -211,7 +212,7 @@ void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int las
 
 void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map) {
   const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map.id()}));
-  values_.upload(gl_, GL_RGBA32F, values.data(), values.size(), GL_STREAM_DRAW);
+  values_.upload(gl_, GL_RGBA32F, values, GL_STREAM_DRAW);
   gl_.UseProgram(programs.get(
       gl_, "map", {{GL_VERTEX_SHADER, "paper/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "paper/bake/map.frag.glsl"}}));
   gl_.BindTextureUnit(UNIT_VALUES, values_.id());

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "bake/bake_vertices.h"
 #include "bake/distortion.h"
 #include "engine/paper/buffer.h"
-#include "engine/paper/device_surface.h"
 #include "engine/paper/program.h"
 #include "mesh/atlas.h"
+#include "mesh/normals.h"
 #include "mesh/triangles.h"
 
 namespace paradesc {
@@ -34,13 +33,13 @@ public:
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
   // Draw a layout, in steps between which a run may be cancelled: uploads, some triangles at a time, borders, counts.
-  void begin_layout(const Triangles &triangles, const Charts &charts, const BakeVertices &vertices);
+  void begin_layout(const Charts &charts, const BakeVertices &vertices);
   int triangle_count() const { return triangle_count_; }
   void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);
   TexelCounts end_layout(ProgramCache &programs);
-  // Draw a frame, in steps: bake vertices, some rows at a time. surface: has the input's positions and normals.
-  void place_vertices(ProgramCache &programs, const BakeInput &input, const DeviceSurface &surface);
+  // Draw a frame, in steps: bake vertices, some rows at a time.
+  void place_vertices(const BakeInput &input, const Normals &normals);
   void draw_surface(ProgramCache &programs, int first_row, int last_row);
   // Draws values at bake vertices to texels, using the same owners.
   void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
@@ -84,7 +83,6 @@ private:
   int triangle_count_ = 0;
   Texture position_, normal_, ids_, weights_;
   BufferTexture corner_uvs_, corners_, vertices_, values_;
-  std::optional<Places> places_; // of bake vertices
   GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
   GlName<&Gl::DeleteVertexArrays> no_attributes_;
   std::unique_ptr<Drawing> drawing_;

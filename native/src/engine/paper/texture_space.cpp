@@ -43,6 +43,8 @@ void TextureSpace::prepare(const Surface &surface, const Request &request, const
 EvaluatePass TextureSpace::start(const PassInputs &pass) {
   if (pass.map) bake_map(pass);
   const Job job{pass.surface, pass.request, pass.resources};
+  if (settings_of(pass, job, pass.pass.rows).faces())
+    gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_faces(gl, pass.surface.triangles); });
   return [this, &pass, sizes = ellipses(job, pass.space, 1)](const Centers &centers, std::span<const int> rows,
                                                              const Part &progress) {
     return evaluate(pass, sizes, centers, rows, progress);

@@ -14,7 +14,6 @@
 #include "bake/surface_maps.h"
 #include "engine/engine.h"
 #include "engine/paper/centers.h"
-#include "engine/paper/device_surface.h"
 #include "engine/paper/evaluator.h"
 #include "engine/paper/geometry_buffer.h"
 #include "engine/paper/gl_thread.h"
@@ -97,7 +96,6 @@ private:
 
   // These objects live on the device: they are made, used and destroyed on its thread.
   struct OnDevice {
-    DeviceSurface surface;
     std::unique_ptr<GeometryBuffer> buffer;
     Evaluator evaluator;
     std::unique_ptr<MapBuffer> map; // if an operator was asked for
