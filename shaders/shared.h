@@ -16,20 +16,19 @@
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 // For a layout, and the mesh's points in it.
-#define UNIT_CORNER_UVS 8 // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
-#define UNIT_CORNERS 9    // buffer texture, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
-#define UNIT_VERTICES 10  // buffer texture, RGBA32F, two a bake vertex: position; normal
-#define UNIT_VALUES 11    // buffer texture, RGBA32F: a map's value at each bake vertex
-#define UNIT_EDGES 12     // buffer texture, RGBA32I, two a chart-edge line: the bits of EdgeData
+#define UNIT_CORNER_UVS 8 // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart, 1 over twice its area in (u, v)
+#define UNIT_VERTICES 9  // buffer texture, RGBA32F, two a corner: position; normal
+#define UNIT_VALUES 10   // buffer texture, RGBA32F: a map's value at each corner
+#define UNIT_EDGES 11    // buffer texture, RGBA32I, two a chart-edge line: the bits of EdgeData
 // For sampling neighborhoods.
-#define UNIT_FACES 13 // buffer texture, RGBA32F: unit normal of each triangle, 0 without area
-#define UNIT_MAP 14   // buffer, RGBA32F: gradient of a map, its value
+#define UNIT_FACES 12 // buffer texture, RGBA32F: unit normal of each triangle, 0 without area
+#define UNIT_MAP 13   // buffer, RGBA32F: gradient of a map, its value
 // For displacing baked texels.
-#define UNIT_HEIGHTS 15  // image, R32F: displacement
-#define UNIT_COLORS 16   // image, RGBA32F: normal map
-#define UNIT_INPUT_UV 17 // list, RG32F: the caller's (u, v) of each bake vertex
-#define UNIT_TANGENTS 18 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
-#define UNIT_COUNT 19
+#define UNIT_HEIGHTS 14  // image, R32F: displacement
+#define UNIT_COLORS 15   // image, RGBA32F: normal map
+#define UNIT_INPUT_UV 16 // list, RG32F: the caller's (u, v) of each corner
+#define UNIT_TANGENTS 17 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
+#define UNIT_COUNT 18
 
 // Uniforms of programs with few parameters. Programs over centers use EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0

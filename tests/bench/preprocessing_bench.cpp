@@ -11,7 +11,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "bake/bake_vertices.h"
 #include "bench/mesh_file.h"
 #include "mesh/cut.h"
 #include "mesh/halfedge.h"
@@ -74,9 +73,6 @@ void charts(benchmark::State &state) {
 }
 void normal_rings(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_normal_rings(from.triangles, from.half_edges); });
-}
-void bake_vertices(benchmark::State &state) {
-  measure(state, [](const Made &from) { return build_bake_vertices(from.triangles, from.charts, *from.rings.corner_fan); });
 }
 void border_grid(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_border_grid(from.charts, buffer_size); });
@@ -153,7 +149,6 @@ PARADESC_STEP(triangles);
 PARADESC_STEP(half_edges);
 PARADESC_STEP(charts);
 PARADESC_STEP(normal_rings);
-PARADESC_STEP(bake_vertices);
 PARADESC_STEP(border_grid);
 PARADESC_STEP(cut);
 PARADESC_STEP(layout);

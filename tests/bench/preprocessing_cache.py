@@ -35,7 +35,7 @@ STEPS = {
     "normal_rings": ["corner_fan", "fan_point", "ring_begin", "ring_point", "face_begin", "face", "own_faces"],
 }
 KEPT = [name for names in STEPS.values() for name in names]
-REBUILT_ANYWAY = ["triangles", "bake_vertices", "border_grid"]
+REBUILT_ANYWAY = ["triangles", "border_grid"]
 UNDER_SUSPICION = ["cut"]  # where texels are claimed twice, as they are at a million triangles
 DOMAINS = {"POINT": "vertices", "CORNER": "loops", "FACE": "polygons"}
 

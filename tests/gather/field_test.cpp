@@ -10,6 +10,7 @@
 namespace paradesc {
 namespace {
 
+const std::vector<int> rows = {0}; // one of one component
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 // Every vertex is a point of its own, except those with point -1.
@@ -31,8 +32,7 @@ CenterResults at_four_points() {
 
 TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_point) {
   Field field;
-  field.names = {"mean_curvature"};
-  gather(one_point_each({0, 1, 2, 3, -1}), at_four_points(), 1, field);
+  gather(one_point_each({0, 1, 2, 3, -1}), at_four_points(), rows, 1, field);
   EXPECT_EQ(field.values.at(0).at(0), 2.0f);
   EXPECT_EQ(field.values.at(0).at(1), 7.0f);
   EXPECT_EQ(field.values.at(1).at(2), 0.2f);
@@ -47,8 +47,7 @@ TEST(Field, a_point_without_coverage_has_no_texel) {
   CenterResults results = at_four_points();
   results.coverage[3] = nan;
   Field field;
-  field.names = {"mean_curvature"};
-  gather(one_point_each({0, 1, 2, 3}), results, 1, field);
+  gather(one_point_each({0, 1, 2, 3}), results, rows, 1, field);
   EXPECT_EQ(field.mask.at(3), PDESC_MASK_NO_TEXEL);
   EXPECT_TRUE(std::isnan(field.values.at(0).at(3)));
 }

@@ -32,10 +32,9 @@ struct Baked {
     const NormalRings rings = build_normal_rings(triangles, half_edges);
     normals = compute_normals(triangles, half_edges, rings, PDESC_NORMALS_FITTED, 0);
     bake_space = bake_space_of(bounding_box(triangles, half_edges));
-    const BakeVertices vertices = build_bake_vertices(triangles, charts, *rings.corner_fan);
     thread.run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
-      const BakeInput input{triangles, charts, vertices, bake_space};
+      const BakeInput input{triangles, charts, bake_space};
       counts = draw_layout(buffer, programs, input);
       draw_frame(buffer, programs, input, normals);
       positions = buffer.read_position();

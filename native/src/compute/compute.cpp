@@ -8,7 +8,6 @@
 #include "compute/evaluate.h"
 #include "compute/memory.h"
 #include "compute/refine.h"
-#include "descriptor/registry.h"
 #include "support/cancel.h"
 #include "support/error.h"
 
@@ -84,15 +83,10 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   if (!divided) forget_refined_surface(mesh);
   const Surface surface = divided ? refined_surface_of(mesh, options) : surface_of(mesh, options);
   const double seconds_surface = stages.lap();
-  Computed computed = evaluate(mesh, surface, request, reported);
-  checkpoint();
-
   Field field;
-  field.report = computed.report;
-  field.maps = std::move(computed.images);
-  field.map_size = computed.image_size;
-  for (const int row : descriptors) field.names.emplace_back(descriptor_row(row).name);
-  gather(mesh.half_edges, computed.results, mesh.context->threads, field);
+  const CenterResults results = evaluate(mesh, surface, request, reported, field);
+  checkpoint();
+  gather(mesh.half_edges, results, descriptors, mesh.context->threads, field);
   field.report.radius = request.radius;
   if (options.creases != PDESC_CREASES_NONE)
     field.report.crease_edges = static_cast<int32_t>(creases_of(mesh, options).edges.size());

@@ -144,39 +144,32 @@ static CenterResults run(Mesh &mesh, const Surface &surface, const Request &requ
   return run_passes(request.descriptors, map_row, run_pass);
 }
 
-// Fills in the images, and the values at points that are looked up in them.
-static void give_texels(const TexelMap &texels, const CenterResults &at_texels, const Charts &charts, const Request &request,
-                        int threads, Computed &computed) {
-  computed.results = look_up(texels, at_texels, charts, threads);
-  computed.images = images_of(texels, at_texels, request.descriptors);
-  computed.image_size = texels.size;
-  computed.report.places = static_cast<int32_t>(texels.centers.size());
-}
-
-Computed evaluate(Mesh &mesh, const Surface &surface, const Request &request, const Progress &progress) {
-  Computed computed;
-  pdesc_field_report &report = computed.report;
+CenterResults evaluate(Mesh &mesh, const Surface &surface, const Request &request, const Progress &progress, Field &field) {
+  pdesc_field_report &report = field.report;
   const TexelMap *const texels = prepare(mesh, surface, request, progress, report);
   Clock clock;
   CenterResults at_texels;
   if (texels) at_texels = unknown_results(texels->centers.size(), request.descriptors);
-  computed.results = run(mesh, surface, request, texels, progress, at_texels);
+  CenterResults results = run(mesh, surface, request, texels, progress, at_texels);
   const Atlas &atlas = surface.atlases.current();
   if (texels) {
-    give_texels(*texels, at_texels, atlas.charts, request, mesh.context->threads, computed);
+    results = look_up(*texels, at_texels, atlas.charts, mesh.context->threads);
+    field.maps = images_of(*texels, at_texels, request.descriptors);
+    field.map_size = texels->size;
+    report.places = static_cast<int32_t>(texels->centers.size());
   } else {
-    keep_centers(computed.results, static_cast<size_t>(surface.wanted_points()), request.descriptors);
-    report.places = static_cast<int32_t>(
-        std::ranges::count_if(computed.results.coverage, [](float coverage) { return !std::isnan(coverage); }));
+    keep_centers(results, static_cast<size_t>(surface.wanted_points()), request.descriptors);
+    const auto has_place = [](float coverage) { return !std::isnan(coverage); };
+    report.places = static_cast<int32_t>(std::ranges::count_if(results.coverage, has_place));
   }
   check_cancel(progress, "evaluate", 1.0);
   if (texels || abilities_of(mesh.engine->backend()).texture_space) {
     report.private_layout = atlas.layout;
     report.cut_charts = atlas.cut_charts;
   }
-  report.refined_share = computed.results.refined_share;
+  report.refined_share = results.refined_share;
   report.seconds_evaluate = clock.lap();
-  return computed;
+  return results;
 }
 
 } // namespace paradesc

@@ -138,7 +138,6 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   normals.make = [&mesh, &creases, kind, key = normals.key]() -> const Normals & {
     return mesh.normals.get(key, [&] { return make_normals(mesh, creases, kind); });
   };
-  normals.fans_version = kind == PDESC_NORMALS_MESH ? 0 : mesh.rings_version;
   return normals;
 }
 
@@ -150,8 +149,13 @@ const Facets &facets_of(Mesh &mesh, const pdesc_options &options) {
 }
 
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
-  if (!mesh.session) refuse_to_read_buffers();
-  return mesh.session->read_buffer(name, mesh.atlases.current());
+  ReadBuffer read;
+  if (mesh.session) read = mesh.session->read_buffer(name, mesh.atlases.current());
+  if (read.size == 0)
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                "This mesh has no baked buffers; compute in texture space first: with buffers = 1, "
+                "on the backend auto, gpu or software.");
+  return read;
 }
 
 int buffer_size(const Mesh &mesh) { return mesh.session ? mesh.session->buffer_size() : 0; }

@@ -29,7 +29,7 @@
 
 namespace paradesc {
 
-// What an engine can do. A computation beyond that is refused before a session sees it.
+// The abilities of an engine. A computation beyond them is refused before a session sees it.
 struct Abilities {
   bool texture_space = false; // needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // follows displacement and normal maps; otherwise it gets the displaced surface
@@ -115,9 +115,6 @@ struct ReadBuffer {
   std::vector<float> values;
 };
 
-// Throws Error(INVALID_OPERATION).
-[[noreturn]] void refuse_to_read_buffers();
-
 class Session {
 public:
   virtual ~Session() = default;
@@ -130,8 +127,8 @@ public:
   virtual bool gives_map(const Pass &, int, const pdesc_options &) const { return false; }
   // Side of the last baked buffers in texels; 0: there are none.
   virtual int buffer_size() const { return 0; }
-  // Throws Error: INVALID_OPERATION if there are no buffers, INVALID_ARGUMENT that lists the available names.
-  virtual ReadBuffer read_buffer(const std::string &, const Atlas &) { refuse_to_read_buffers(); }
+  // Returns nothing, of size 0, if there are no buffers. Throws Error(INVALID_ARGUMENT) that lists the available names.
+  virtual ReadBuffer read_buffer(const std::string &, const Atlas &) { return {}; }
 };
 
 class Engine {

@@ -82,7 +82,7 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   field.report.coverage_mean = all.with_face ? all.coverage / all.with_face : 0.0;
 }
 
-void gather(const HalfEdges &half_edges, const CenterResults &results, int threads, Field &field) {
+void gather(const HalfEdges &half_edges, const CenterResults &results, std::span<const int> rows, int threads, Field &field) {
   std::vector<int32_t> vertex_center(half_edges.vertex_point.size());
   parallel_blocks(static_cast<int>(vertex_center.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
@@ -90,8 +90,9 @@ void gather(const HalfEdges &half_edges, const CenterResults &results, int threa
       vertex_center[i] = point < 0 || std::isnan(results.coverage[point]) ? -1 : point;
     }
   });
-  for (size_t i = 0; i < field.names.size(); ++i) {
-    const DescriptorRow &row = descriptor_row(find_descriptor(field.names[i].c_str()));
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const DescriptorRow &row = descriptor_row(rows[i]);
+    field.names.emplace_back(row.name);
     field.values.push_back(pick(vertex_center, results.values[i], static_cast<size_t>(row.components), threads));
   }
   field.values.push_back(pick(vertex_center, results.coverage, 1, threads));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Field {
   std::string device; // the device that computed
 };
 
-// Gives every vertex the values at its point. results: at all points.
-void gather(const HalfEdges &half_edges, const CenterResults &results, int threads, Field &field);
+// Gives every vertex the values at its point. results: of these rows of the registry, at all points.
+void gather(const HalfEdges &half_edges, const CenterResults &results, std::span<const int> rows, int threads, Field &field);
 
 } // namespace paradesc

@@ -30,7 +30,6 @@ struct Normals {
 struct NormalsOnDemand {
   std::function<const Normals &()> make;
   std::array<uint64_t, 3> key{}; // differs whenever the normals of one mesh do
-  uint64_t fans_version = 0;     // differs whenever the set of corners that share a normal does
 
   const Normals &operator()() const { return make(); }
 };

@@ -15,7 +15,7 @@ layout(location = LOCATION_FIRST) uniform int first_row;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
 layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
-vec2 input_uv_of(int vertex) { return texelFetch(input_uvs, list_texel(vertex), 0).xy; }
+vec2 input_uv_of(int corner) { return texelFetch(input_uvs, list_texel(corner), 0).xy; }
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_texel(2 * corner), 0); }
 vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_texel(2 * corner + 1), 0).xyz; }
 
@@ -64,14 +64,14 @@ void main() {
   ivec2 texel = ivec2(gl_GlobalInvocationID.x, first_row + int(gl_GlobalInvocationID.y));
   if (any(greaterThanEqual(texel, ivec2(buffer_size)))) return;
   int triangle;
-  ivec4 vertex;
   vec3 part;
-  if (!find_owner(texel, triangle, vertex, part)) return;
-  vec2 map = input_uv_of(vertex.x), way1 = input_uv_of(vertex.y) - map, way2 = input_uv_of(vertex.z) - map;
+  if (!find_owner(texel, triangle, part)) return;
+  int corner = 3 * triangle;
+  vec2 map = input_uv_of(corner), way1 = input_uv_of(corner + 1) - map, way2 = input_uv_of(corner + 2) - map;
   vec2 uv = map + way1 * part.y + way2 * part.z;
-  vec3 position = position_of(vertex.x), edge1 = position_of(vertex.y) - position, edge2 = position_of(vertex.z) - position;
+  vec3 position = position_of(corner), edge1 = position_of(corner + 1) - position, edge2 = position_of(corner + 2) - position;
   position += edge1 * part.y + edge2 * part.z;
-  vec3 raw = normal_of(vertex.x), turn1 = normal_of(vertex.y) - raw, turn2 = normal_of(vertex.z) - raw;
+  vec3 raw = normal_of(corner), turn1 = normal_of(corner + 1) - raw, turn2 = normal_of(corner + 2) - raw;
   raw += turn1 * part.y + turn2 * part.z;
   float span = max(length(raw), 1e-20);
   vec3 n = raw / span;
@@ -85,8 +85,8 @@ void main() {
   position += n * height.x;
 #endif
 #if NORMAL_MAPPED
-  normal = normal_of_map(3 * triangle, part, uv, normal);
+  normal = normal_of_map(corner, part, uv, normal);
 #endif
-  imageStore(positions, texel, vec4(position, area_element(vertex, edge1, edge2) * ratio));
+  imageStore(positions, texel, vec4(position, area_element(triangle, edge1, edge2) * ratio));
   imageStore(normals, texel, vec4(normal, 0.0));
 }

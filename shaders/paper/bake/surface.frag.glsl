@@ -6,11 +6,11 @@
 
 void main() {
   int triangle;
-  ivec4 vertex;
   vec3 part;
-  bool owned = find_owner(ivec2(gl_FragCoord.xy), triangle, vertex, part);
-  vec3 origin = position_of(vertex.x), edge1 = position_of(vertex.y) - origin, edge2 = position_of(vertex.z) - origin;
-  vec3 direction = normal_of(vertex.x) * part.x + normal_of(vertex.y) * part.y + normal_of(vertex.z) * part.z;
-  store_texel(origin + edge1 * part.y + edge2 * part.z, normalize(direction), area_element(vertex, edge1, edge2));
+  bool owned = find_owner(ivec2(gl_FragCoord.xy), triangle, part);
+  int corner = 3 * triangle;
+  vec3 origin = position_of(corner), edge1 = position_of(corner + 1) - origin, edge2 = position_of(corner + 2) - origin;
+  vec3 direction = normal_of(corner) * part.x + normal_of(corner + 1) * part.y + normal_of(corner + 2) * part.z;
+  store_texel(origin + edge1 * part.y + edge2 * part.z, normalize(direction), area_element(triangle, edge1, edge2));
   if (!owned) clear_texel();
 }

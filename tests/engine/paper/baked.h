@@ -27,14 +27,14 @@ struct Buffers {
 };
 
 inline TexelCounts draw_layout(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input) {
-  buffer.begin_layout(input.charts, input.vertices);
+  buffer.begin_layout(input.charts);
   buffer.draw_triangles(programs, 0, buffer.triangle_count());
   buffer.draw_borders(programs);
   return buffer.end_layout(programs);
 }
 
 inline void draw_frame(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input, const Normals &normals) {
-  buffer.place_vertices(input, normals);
+  buffer.place_corners(input, normals);
   buffer.draw_surface(programs, 0, buffer.size());
 }
 
@@ -48,10 +48,9 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
   for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
     buffers.forms.push_back(built.charts.triangle_chart[t] < 0 ? vec4(0.0f)
                                                                : form_of(built.triangles, built.charts, buffers.bake_space, t));
-  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, size, half);
-    const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
+    const BakeInput input{built.triangles, built.charts, buffers.bake_space};
     buffers.counts = draw_layout(buffer, programs, input);
     for (int i = 0; i < bakes; ++i) draw_frame(buffer, programs, input, buffers.normals);
     buffers.position = buffer.read_position();

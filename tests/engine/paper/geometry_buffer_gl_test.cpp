@@ -187,17 +187,5 @@ TEST_F(GeometryBuffers, two_bakes_have_the_same_bits) {
   }
 }
 
-TEST_F(GeometryBuffers, a_bake_vertex_stands_for_corners_of_one_wedge_and_one_group) {
-  const Built built = plane_of_twelve_charts();
-  const BakeVertices none = build_bake_vertices(built.triangles, built.charts, {});
-  EXPECT_EQ(none.corner.size(), 72u) << "no corner shares a normal";
-  const BakeVertices all = build_bake_vertices(built.triangles, built.charts, std::vector<int32_t>(72, 0));
-  EXPECT_EQ(all.corner.size(), built.charts.wedges.size());
-  for (size_t corner = 0; corner < 72; ++corner) {
-    const auto stands = static_cast<size_t>(all.corner[all.index[corner]]);
-    EXPECT_EQ(built.charts.corner_wedge[stands], built.charts.corner_wedge[corner]);
-  }
-}
-
 } // namespace
 } // namespace paradesc::test

@@ -19,18 +19,17 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
   buffers.bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
-  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   MapValues values;
   for (const int32_t vertex : built.half_edges.point_vertex)
     values.emplace_back(buffers.bake_space.to_buffer(built.triangles.positions[static_cast<size_t>(vertex)]), 7.0f);
   std::vector<vec4> map;
   thread->run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, 256);
-    const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
+    const BakeInput input{built.triangles, built.charts, buffers.bake_space};
     draw_layout(buffer, programs, input);
     draw_frame(buffer, programs, input, normals);
     MapBuffer maps(gl, 256);
-    maps.bake(programs, buffer, {built.half_edges, vertices, values});
+    maps.bake(programs, buffer, {built.half_edges, values});
     map = maps.read();
     buffers.position = buffer.read_position();
     buffers.ids = buffer.read_ids();

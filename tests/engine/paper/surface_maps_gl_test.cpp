@@ -88,11 +88,10 @@ protected:
     buffers.bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
     const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
     buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
-    const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
     thread->run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
       SurfaceMapper mapper;
-      const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
+      const BakeInput input{built.triangles, built.charts, buffers.bake_space};
       draw_layout(buffer, programs, input);
       draw_frame(buffer, programs, input, buffers.normals);
       mapper.run(gl, programs, buffer, input, buffers.normals, maps);

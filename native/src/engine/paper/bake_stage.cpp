@@ -27,10 +27,6 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   const Charts &charts = job.charts();
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
-  const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
-    const auto &fans = job.surface.normals().corner_fan;
-    return build_bake_vertices(job.surface.triangles, charts, fans ? *fans : std::vector<int32_t>());
-  });
   layout_.get(key, [&] {
     BakedLayout layout;
     step([&](const Gl &gl, ProgramCache &) {
@@ -38,7 +34,7 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
       if (!device_->buffer || device_->buffer->size() != size || device_->buffer->half() != key.half)
         device_->buffer = std::make_unique<GeometryBuffer>(gl, size, key.half);
       device_->evaluator.set_borders(gl, grid);
-      device_->buffer->begin_layout(charts, vertices);
+      device_->buffer->begin_layout(charts);
     });
     const int count = device_->buffer->triangle_count();
     for (int first = 0; first < count; first += drawn_at_once)
@@ -59,10 +55,10 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   constexpr int drawn_at_once = 1 << 20; // texels
   const Surface &surface = job.surface;
   const Normals &normals = surface.normals();
-  const BakeInput input{surface.triangles, job.charts(), vertices_.value(), frame.space};
+  const BakeInput input{surface.triangles, job.charts(), frame.space};
   GeometryBuffer &buffer = *device_->buffer;
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
-  step([&](const Gl &, ProgramCache &) { buffer.place_vertices(input, normals); });
+  step([&](const Gl &, ProgramCache &) { buffer.place_corners(input, normals); });
   for (int first = 0; first < size; first += rows)
     step([&](const Gl &gl, ProgramCache &programs) {
       buffer.draw_surface(programs, first, std::min(first + rows, size));
@@ -78,8 +74,7 @@ Frame TextureSpace::bake(const Job &job) {
   Frame frame;
   // Surface maps are applied only to buffers of full precision.
   frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
-                      options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
-                      surface.normals.fans_version};
+                      options.precision == PDESC_PRECISION_HALF && !surface.maps.any()};
   frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.key};
   frame.space = bake_space_of(surface.box);
   if (surface.maps.any()) {

@@ -53,7 +53,7 @@ void TextureSpace::bake_map(const PassInputs &pass) {
   gl_->run([&](const Gl &gl, ProgramCache &programs) {
     if (!device_->map || device_->map->size() != device_->buffer->size())
       device_->map = std::make_unique<MapBuffer>(gl, device_->buffer->size());
-    device_->map->bake(programs, *device_->buffer, {pass.surface.half_edges, vertices_.value(), *pass.map});
+    device_->map->bake(programs, *device_->buffer, {pass.surface.half_edges, *pass.map});
   });
 }
 

@@ -2,7 +2,6 @@
 #include "engine/paper/geometry_buffer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "bake/seam_links.h"
@@ -59,24 +58,20 @@ static std::vector<EdgeData> edge_data(const Charts &charts) {
   return edges;
 }
 
-void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vertices) {
+void GeometryBuffer::begin_layout(const Charts &charts) {
   const auto count = charts.triangle_chart.size();
   std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // all zero for triangles on no chart: one point, which draws nothing
-  std::vector<ivec4> corners(count, ivec4(0));
   area_in_map_ = 0.0;
   for (size_t t = 0; t < count; ++t) {
     if (charts.triangle_chart[t] < 0) continue;
     const vec2 *uv = &charts.corner_uv[3 * t];
-    const uint32_t *vertex = &vertices.index[3 * t];
     const double area = std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
     corner_uvs[2 * t] = vec4(uv[0], uv[1]);
-    corner_uvs[2 * t + 1] = vec4(uv[2], static_cast<float>(charts.triangle_chart[t]), 0.0f);
-    corners[t] = ivec4(vertex[0], vertex[1], vertex[2], std::bit_cast<int32_t>(static_cast<float>(1.0 / area)));
+    corner_uvs[2 * t + 1] = vec4(uv[2], static_cast<float>(charts.triangle_chart[t]), static_cast<float>(1.0 / area));
     area_in_map_ += area;
   }
-  triangle_count_ = vertices.corner.empty() ? 0 : static_cast<int>(count);
+  triangle_count_ = charts.chart_count > 0 ? static_cast<int>(count) : 0;
   corner_uvs_.upload(gl_, GL_RGBA32F, corner_uvs, GL_STATIC_DRAW);
-  corners_.upload(gl_, GL_RGBA32I, corners, GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(charts);
   drawing_ = std::make_unique<Drawing>();
   drawing_->edges.upload(gl_, GL_RGBA32I, edges, GL_STATIC_DRAW);
@@ -158,12 +153,12 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
 
 // ---- A frame
 
-void GeometryBuffer::place_vertices(const BakeInput &input, const Normals &normals) {
-  std::vector<vec4> places;
-  places.reserve(2 * input.vertices.corner.size());
-  for (size_t i = 0; i < input.vertices.corner.size(); ++i) {
-    places.emplace_back(input.bake_space.to_buffer(input.triangles.position(input.vertices.corner[i])), 0.0f);
-    places.emplace_back(normals.group[input.vertices.group[i]], 0.0f);
+void GeometryBuffer::place_corners(const BakeInput &input, const Normals &normals) {
+  std::vector<vec4> places(2 * input.charts.corner_wedge.size(), vec4(0.0f));
+  for (size_t corner = 0; corner < places.size() / 2; ++corner) {
+    if (input.charts.corner_wedge[corner] < 0) continue;
+    places[2 * corner] = vec4(input.bake_space.to_buffer(input.triangles.position(static_cast<int32_t>(corner))), 0.0f);
+    places[2 * corner + 1] = vec4(normals.corner(corner), 0.0f);
   }
   vertices_.upload(gl_, GL_RGBA32F, places, GL_STREAM_DRAW);
   set_area_unit(input);
@@ -232,7 +227,6 @@ void GeometryBuffer::bind_owners() const {
   gl_.BindTextureUnit(UNIT_IDS, ids_.id());
   gl_.BindTextureUnit(UNIT_WEIGHTS, weights_.id());
   gl_.BindTextureUnit(UNIT_CORNER_UVS, corner_uvs_.id());
-  gl_.BindTextureUnit(UNIT_CORNERS, corners_.id());
   gl_.BindTextureUnit(UNIT_VERTICES, vertices_.id());
 }
 

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "bake/bake_vertices.h"
 #include "bake/distortion.h"
 #include "engine/paper/buffer.h"
 #include "engine/paper/program.h"
@@ -18,7 +17,6 @@ namespace paradesc {
 struct BakeInput {
   const Triangles &triangles;
   const Charts &charts;
-  const BakeVertices &vertices;
   const BakeSpace &bake_space;
 };
 
@@ -33,20 +31,20 @@ public:
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
   // Draw a layout, in steps between which a run may be cancelled: uploads, some triangles at a time, borders, counts.
-  void begin_layout(const Charts &charts, const BakeVertices &vertices);
+  void begin_layout(const Charts &charts);
   int triangle_count() const { return triangle_count_; }
   void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);
   TexelCounts end_layout(ProgramCache &programs);
-  // Draw a frame, in steps: bake vertices, some rows at a time.
-  void place_vertices(const BakeInput &input, const Normals &normals);
+  // Draw a frame, in steps: corners, some rows at a time.
+  void place_corners(const BakeInput &input, const Normals &normals);
   void draw_surface(ProgramCache &programs, int first_row, int last_row);
-  // Draws values at bake vertices to texels, using the same owners.
+  // Draws values at corners to texels, using the same owners.
   void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
 
   // Binds the textures that samples read.
   void bind() const;
-  // Binds the layout and the frame's bake vertices, for owner.glsl and metric.glsl.
+  // Binds the layout and the frame's corners, for owner.glsl and metric.glsl.
   void bind_owners() const;
   // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
   void bind_to_rewrite() const;
@@ -82,7 +80,7 @@ private:
   double area_in_map_ = 0.0; // of all triangles
   int triangle_count_ = 0;
   Texture position_, normal_, ids_, weights_;
-  BufferTexture corner_uvs_, corners_, vertices_, values_;
+  BufferTexture corner_uvs_, vertices_, values_;
   GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
   GlName<&Gl::DeleteVertexArrays> no_attributes_;
   std::unique_ptr<Drawing> drawing_;

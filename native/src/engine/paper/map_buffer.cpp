@@ -1,15 +1,12 @@
-// Values at points → values at bake vertices → a float texture.
+// Values at points → values at corners → a float texture.
 #include "engine/paper/map_buffer.h"
 
 namespace paradesc {
 
 void MapBuffer::bake(ProgramCache &programs, GeometryBuffer &buffer, const MapInput &input) {
   std::vector<vec4> values;
-  values.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) {
-    const int32_t point = input.half_edges.corner_point[corner];
-    values.push_back(point >= 0 ? input.values[point] : vec4(0.0f));
-  }
+  values.reserve(input.half_edges.corner_point.size());
+  for (const int32_t point : input.half_edges.corner_point) values.push_back(point >= 0 ? input.values[point] : vec4(0.0f));
   buffer.draw_map(programs, values, map_);
 }
 

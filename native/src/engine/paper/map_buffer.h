@@ -12,7 +12,6 @@ namespace paradesc {
 
 struct MapInput {
   const HalfEdges &half_edges;
-  const BakeVertices &vertices;
   const MapValues &values; // (point_count)
 };
 

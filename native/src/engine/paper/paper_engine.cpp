@@ -52,9 +52,9 @@ static int64_t bytes_of_device(const ComputationSize &size) {
                           8 // borders, depth and owners of a layout
                           + (reads_map(size.descriptors) ? 16 : 0);
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? static_cast<int64_t>(texels_of_band) : size.wedges;
-  int64_t bytes = texels * a_texel + size.triangles * 64 + size.wedges * 32 + size.borders * 100 +
-                  centers * (200 + 4 * rows_of(size.descriptors)) + bytes_of_marches(options, centers);
-  if (reads_map(size.descriptors)) bytes += size.wedges * 32;
+  int64_t bytes = texels * a_texel + size.triangles * 144 + size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors)) +
+                  bytes_of_marches(options, centers);
+  if (reads_map(size.descriptors)) bytes += size.triangles * 48;
   return bytes;
 }
 
@@ -65,7 +65,7 @@ MemoryForecast forecast_paper_memory(bool software, const ComputationSize &size)
   memory.device = bytes_of_device(size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
   memory.host =
-      int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 116 + size.wedges * 192 + size.borders * 300;
+      int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 212 + size.wedges * 160 + size.borders * 300;
   return memory;
 }
 

@@ -34,10 +34,7 @@ void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
 void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const Normals &normals, const SurfaceMaps &maps) {
   const Triangles &triangles = input.triangles;
   const SharedArray<vec2> &uvs = triangles.input_uv;
-  std::vector<vec2> input_uvs;
-  input_uvs.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) input_uvs.push_back(uvs[corner]);
-  input_uvs_.upload(gl, GL_RG32F, input_uvs.data(), input_uvs.size());
+  input_uvs_.upload(gl, GL_RG32F, uvs.begin(), uvs.size());
   std::vector<vec4> tangents;
   if (maps.normal_map) {
     const std::vector<vec4> &own = maps.normal_map->corner_tangent;

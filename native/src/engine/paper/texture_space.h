@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "bake/bake_vertices.h"
 #include "bake/distortion.h"
 #include "bake/surface_maps.h"
 #include "engine/engine.h"
@@ -33,8 +32,7 @@ struct AtlasSize {
 
 struct LayoutKey {
   AtlasSize atlas;
-  bool half;     // the buffers hold 16-bit floats
-  uint64_t fans; // NormalsOnDemand::fans_version
+  bool half; // the buffers hold 16-bit floats
   bool operator==(const LayoutKey &) const = default;
 };
 
@@ -123,8 +121,7 @@ private:
   std::unique_ptr<OnDevice> device_ = std::make_unique<OnDevice>();
 
   Keyed<AtlasSize, BorderGrid> grid_;
-  Keyed<std::pair<int, uint64_t>, BakeVertices> vertices_; // by the atlas's version, and LayoutKey::fans
-  Keyed<LayoutKey, BakedLayout> layout_;                   // the layout that the buffers' owners are of
+  Keyed<LayoutKey, BakedLayout> layout_; // the layout that the buffers' owners are of
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
   Keyed<BakeKey, BakeSpace> baked_;                                  // the bake that the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
