@@ -31,7 +31,7 @@ namespace paradesc {
 
 // The abilities of an engine. A computation beyond them is refused before a session sees it.
 struct Abilities {
-  bool texture_space = false; // needs a UV map, has buffers to read, and has results for each wedge of a point
+  bool texture_space = false; // needs a UV map, and has buffers to read
   bool surface_maps = false;  // follows displacement and normal maps; otherwise it gets the displaced surface
   bool texels = false;        // evaluates at texels of a map; this may need a UV map although the rest does not
   bool any_options = false;   // passes over options of texture space, which others without it refuse
@@ -97,6 +97,7 @@ struct PassInputs {
 
 inline constexpr size_t texels_of_band = size_t{1} << 17; // the most that are centers at once
 
+// Some points of the surface at which a pass is evaluated, borrowed.
 struct Centers {
   const CenterPoints &list;
   const MapValues *map;                  // of the pass at each center, and perhaps further ones; or null
@@ -118,8 +119,8 @@ struct ReadBuffer {
 class Session {
 public:
   virtual ~Session() = default;
-  // Both throw Error: CANCELLED, or the failure. The session stays usable.
-  // Makes what all passes of a computation share, and reports on it.
+  // Makes what all passes of a computation share, and reports on it. This call and the next one throw Error: CANCELLED, or the
+  // failure. The session stays usable.
   virtual void prepare(const Surface &, const Request &, const Resources &, const Progress &, pdesc_field_report &) {}
   // Readies the sums of a pass. The function returned borrows the pass and the session.
   virtual EvaluatePass start(const PassInputs &pass) = 0;
