@@ -118,7 +118,8 @@ def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: obje
     """
     content = settings.as_dict()
     del content["backend"], content["device_index"]
-    content.update(more, method=method, version=VERSION)
+    # Frames that are stored already have this option in their keys, as it always was for them.
+    content.update(more, method=method, version=VERSION, seam_error=False)
     text = json.dumps(content, sort_keys=True).encode()
     return digest(
         np.frombuffer(text, np.uint8),
