@@ -16,7 +16,7 @@
 #include "mesh/halfedge.h"
 #include "mesh/layout.h"
 #include "mesh/normals.h"
-#include "sample/border_grid.h"
+#include "engine/paper/border_grid.h"
 #include "support/layout.h"
 #include "support/surfaces.h"
 

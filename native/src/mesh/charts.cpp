@@ -200,4 +200,11 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   return charts;
 }
 
+std::pair<int, int> border_ends(const Charts &charts, const Border &border) {
+  const int a = border.half_edge, b = next_corner(a), c = next_corner(b);
+  const dvec2 origin(charts.corner_uv[a]);
+  const bool left = cross(dvec2(charts.corner_uv[b]) - origin, dvec2(charts.corner_uv[c]) - origin) > 0.0;
+  return left ? std::pair(a, b) : std::pair(b, a);
+}
+
 } // namespace paradesc

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mesh/halfedge.h"
@@ -55,5 +56,8 @@ struct Charts {
 // pdesc_context_options.
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {},
                     int threads = 0);
+
+// The corners at the ends of a border, ordered so that its chart lies on the left of the way from the first to the second.
+std::pair<int, int> border_ends(const Charts &charts, const Border &border);
 
 } // namespace paradesc

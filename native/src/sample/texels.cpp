@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "bake/seam_links.h"
 #include "descriptor/registry.h"
 #include "support/cancel.h"
 #include "support/parallel.h"

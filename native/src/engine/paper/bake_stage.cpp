@@ -1,7 +1,7 @@
 // Surface and atlas → buffers on the device: the owner of each texel (a layout), and the point of the surface there (a frame).
 #include <algorithm>
 
-#include "bake/seam_links.h"
+#include "engine/paper/seam_links.h"
 #include "engine/paper/texture_space.h"
 #include "support/cancel.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sample/pattern.h"
+#include "engine/paper/pattern.h"
 #include "support/cancel.h"
 
 namespace paradesc {

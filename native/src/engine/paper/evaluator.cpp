@@ -7,7 +7,7 @@
 
 #include "descriptor/registry.h"
 #include "engine/paper/compose.h"
-#include "sample/pattern.h"
+#include "engine/paper/pattern.h"
 
 namespace paradesc {
 

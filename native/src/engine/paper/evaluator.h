@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "engine/paper/border_grid.h"
 #include "engine/paper/geometry_buffer.h"
 #include "engine/paper/map_buffer.h"
 #include "engine/paper/program.h"
-#include "sample/border_grid.h"
 
 #include "shared.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/seam_links.h"
 #include "engine/paper/dispatch.h"
 #include "engine/paper/half.h"
 #include "shared.h"

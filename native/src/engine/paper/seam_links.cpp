@@ -1,5 +1,5 @@
 // Two triangles that share a seam edge in space → the map from (u, v) of the one to (u, v) of the other.
-#include "bake/seam_links.h"
+#include "engine/paper/seam_links.h"
 
 #include <cmath>
 
@@ -8,13 +8,6 @@ namespace paradesc {
 static dvec2 uv_of(const Charts &charts, int corner) { return dvec2(charts.corner_uv[corner]); }
 
 static dvec3 position_of(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
-
-std::pair<int, int> border_ends(const Charts &charts, const Border &border) {
-  const int a = border.half_edge, b = next_corner(a), c = next_corner(b);
-  const dvec2 origin = uv_of(charts, a);
-  const bool left = cross(uv_of(charts, b) - origin, uv_of(charts, c) - origin) > 0.0;
-  return left ? std::pair(a, b) : std::pair(b, a);
-}
 
 // The matrix whose columns are the shared edge and the vector to the third corner, both from corner `first`, in a plane whose x
 // axis runs along the edge. The third corner's y coordinate has the sign of `side`.

@@ -1,5 +1,5 @@
 // The golden-angle pattern is even; its rotations are spread and repeatable.
-#include "sample/pattern.h"
+#include "engine/paper/pattern.h"
 
 #include <cmath>
 #include <set>

@@ -5,16 +5,12 @@
 // ignore theta_e.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "mesh/charts.h"
 #include "mesh/triangles.h"
 
 namespace paradesc {
-
-// The corners at the ends of a border, ordered so that its chart lies on the left of the way from the first to the second.
-std::pair<int, int> border_ends(const Charts &charts, const Border &border);
 
 // Two vec4 per border: the linear part's columns; the image of the first end, the twin (or -1 - kind), the twin's chart.
 std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts);

@@ -1,5 +1,5 @@
 // The border grid against brute force: what is in a texel, and how far the next border is.
-#include "sample/border_grid.h"
+#include "engine/paper/border_grid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The maps over seams: exact everywhere on a plane, exact to first order on a curved surface.
-#include "bake/seam_links.h"
+#include "engine/paper/seam_links.h"
 
 #include <cmath>
 

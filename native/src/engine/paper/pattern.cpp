@@ -1,5 +1,5 @@
 // Vogel's spiral, jittered strata and hashed rotations.
-#include "sample/pattern.h"
+#include "engine/paper/pattern.h"
 
 #include <algorithm>
 #include <cmath>

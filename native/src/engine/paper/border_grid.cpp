@@ -1,12 +1,10 @@
 // Border segments → texels they touch; exact distances between texels (Felzenszwalb and Huttenlocher 2012).
-#include "sample/border_grid.h"
+#include "engine/paper/border_grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-
-#include "bake/seam_links.h"
 
 namespace paradesc {
 
