@@ -85,7 +85,7 @@ TEST(BakeSpace, leaves_out_vertices_without_a_face) {
 
 TEST(SamplingEllipse, carries_the_unit_circle_to_offsets_of_length_one_on_the_surface) {
   const Built built = stretched_patch();
-  const auto ellipses = sampling_ellipses(built.triangles, built.charts, {}, corners_of_wedges(built.charts));
+  const auto ellipses = sampling_ellipses(built.triangles, built.charts, {});
   ASSERT_EQ(ellipses.size(), 16u);
   for (const vec4 ellipse : ellipses)
     for (int k = 0; k < 24; ++k) {
@@ -98,8 +98,7 @@ TEST(SamplingEllipse, carries_the_unit_circle_to_offsets_of_length_one_on_the_su
 TEST(SamplingEllipse, is_zero_where_no_triangle_has_area) {
   Built built = stretched_patch();
   for (vec3 &position : built.triangles.positions) position = vec3(1.0f);
-  for (const vec4 ellipse : sampling_ellipses(built.triangles, built.charts, {}, corners_of_wedges(built.charts)))
-    EXPECT_EQ(ellipse, vec4(0.0f));
+  for (const vec4 ellipse : sampling_ellipses(built.triangles, built.charts, {})) EXPECT_EQ(ellipse, vec4(0.0f));
 }
 
 } // namespace

@@ -35,25 +35,17 @@ static vec4 square_root(dvec3 m) {
   return vec4((m.x + root) / trace, m.y / trace, m.y / trace, (m.z + root) / trace);
 }
 
-std::vector<int32_t> corners_of_wedges(const Charts &charts, size_t step) {
-  std::vector<int32_t> corners;
-  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner)
-    if (const int32_t wedge = charts.corner_wedge[corner]; wedge >= 0 && static_cast<size_t>(wedge) % step == 0)
-      corners.push_back(static_cast<int32_t>(corner));
-  return corners;
-}
-
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space,
-                                    const std::vector<int32_t> &corners, size_t step) {
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space, size_t step) {
   const size_t count = (charts.wedges.size() + step - 1) / step;
   std::vector<dvec3> inverse(count, dvec3(0.0));
   std::vector<double> weight(count, 0.0);
-  for (const int32_t corner : corners) {
+  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner) {
+    if (charts.corner_wedge[corner] < 0 || static_cast<size_t>(charts.corner_wedge[corner]) % step != 0) continue;
     const auto wedge = static_cast<size_t>(charts.corner_wedge[corner]) / step;
-    const vec4 form = form_of(triangles, charts, bake_space, static_cast<size_t>(corner / 3));
+    const vec4 form = form_of(triangles, charts, bake_space, corner / 3);
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
-    const double angle = surface_angle(triangles, corner);
+    const double angle = surface_angle(triangles, static_cast<int>(corner));
     inverse[wedge] += angle / determinant * dvec3(form.z, -form.y, form.x);
     weight[wedge] += angle;
   }

@@ -23,11 +23,8 @@ BakeSpace bake_space_of(const Box &box);
 vec4 form_of(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space, size_t triangle);
 
 // (wedges) columns of the 2x2 map from the unit disk to (u, v) offsets for radius 1: the square root of the mean inverse metric
-// over the triangles at the wedge, weighted by their angle there. step: only every step-th wedge gets an ellipse. corners: the
-// corners of these wedges, see corners_of_wedges.
+// over the triangles at the wedge, weighted by their angle there. step: only every step-th wedge gets an ellipse.
 std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space,
-                                    const std::vector<int32_t> &corners, size_t step = 1);
-// The corners of every step-th wedge.
-std::vector<int32_t> corners_of_wedges(const Charts &charts, size_t step = 1);
+                                    size_t step = 1);
 
 } // namespace paradesc

@@ -96,19 +96,11 @@ Frame TextureSpace::bake(const Job &job) {
   return frame;
 }
 
-// The sampling ellipses of every step-th wedge, for radius 1.
-std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space, int step) {
-  const Charts &charts = job.charts();
-  const std::vector<int32_t> &corners =
-      ellipse_corners_.get({job.surface.atlases.current().version, step}, [&] { return corners_of_wedges(charts, step); });
-  return sampling_ellipses(job.surface.triangles, charts, space, corners, step);
-}
-
 // Sets the frame's radius in texels.
 void TextureSpace::measure_radius(const Job &job, Frame &frame) {
   const Charts &charts = job.charts();
   const size_t step = std::max<size_t>(1, charts.wedges.size() / 128); // a sample is enough for the median
-  const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
+  const std::vector<vec4> sizes = sampling_ellipses(job.surface.triangles, charts, frame.space, step);
   frame.radius_in_texels = median_radius_in_texels(charts, job.options().buffer_size,
                                                    static_cast<float>(job.request.radius * frame.space.scale), sizes, step);
 }

@@ -45,8 +45,8 @@ EvaluatePass TextureSpace::start(const PassInputs &pass) {
   const Job job{pass.surface, pass.request, pass.resources};
   if (settings_of(pass, job, pass.pass.rows).faces())
     gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_faces(gl, pass.surface.triangles); });
-  return [this, &pass, sizes = ellipses(job, pass.space, 1)](const Centers &centers, std::span<const int> rows,
-                                                             const Part &progress) {
+  return [this, &pass, sizes = sampling_ellipses(pass.surface.triangles, job.charts(), pass.space)](
+             const Centers &centers, std::span<const int> rows, const Part &progress) {
     return evaluate(pass, sizes, centers, rows, progress);
   };
 }

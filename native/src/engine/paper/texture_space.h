@@ -105,7 +105,6 @@ private:
   void bake_layout(const Job &job, const LayoutKey &key);
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
-  std::vector<vec4> ellipses(const Job &job, const BakeSpace &space, int step);
   void measure_radius(const Job &job, Frame &frame);
 
   // evaluate_stage.cpp
@@ -123,10 +122,9 @@ private:
   Keyed<AtlasSize, BorderGrid> grid_;
   Keyed<LayoutKey, BakedLayout> layout_; // the layout that the buffers' owners are of
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
-  Keyed<BakeKey, BakeSpace> baked_;                                  // the bake that the buffers hold
-  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
-  Frame frame_;                                                      // of the last prepare()
-  std::vector<float> rows_; // results of the last centers: a new array would take as long to allocate
+  Keyed<BakeKey, BakeSpace> baked_; // the bake that the buffers hold
+  Frame frame_;                     // of the last prepare()
+  std::vector<float> rows_;         // results of the last centers: a new array would take as long to allocate
 };
 
 std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);
