@@ -59,6 +59,11 @@ TEST_F(Api, options_of_operators_out_of_range_are_refused) {
   refuse(&pdesc_options::harris_k, {-0.01, 0.25, static_cast<double>(nan), infinite}, "harris_k");
 }
 
+TEST_F(Api, seam_errors_are_refused_and_the_way_now_is_named) {
+  options.seam_error = 1;
+  expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {"seam_error", "pdesc_mesh_near_seam"});
+}
+
 TEST_F(Api, a_map_is_a_descriptor_of_the_surface_with_one_component) {
   for (const char *name : {"principal_direction_max", "harris", "laplacian"}) {
     options.map_descriptor = name;
