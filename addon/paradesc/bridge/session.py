@@ -57,10 +57,6 @@ class Field:
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
         return self._read(self._library.pdesc_field_values, name, components(name))
 
-    def seam_error(self, name: str) -> np.ndarray:
-        """(vertex_count,) float32 largest difference between a vertex's places in the UV map; NaN with one place."""
-        return self._read(self._library.pdesc_field_seam_error, name)
-
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
         mask = np.empty(self._vertex_count, np.uint8)
