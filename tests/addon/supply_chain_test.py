@@ -52,6 +52,7 @@ target = add_sphere(steps=4)
 settings = small_bake()
 settings.descriptors = {{"mean_curvature", "harris"}}
 assert bpy.ops.paradesc.bake() == {{"FINISHED"}}
+bpy.context.preferences.filepaths.file_preview_type = "NONE"  # Blender's own thumbnail of what the test saves
 bpy.ops.wm.save_as_mainfile(filepath={blend!r})
 settings.texels, settings.descriptors = 32, {{"mean_curvature"}}
 assert bpy.ops.paradesc.bake_image() == {{"FINISHED"}}
