@@ -97,8 +97,10 @@ static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &o
     for (int i = begin; i < end; ++i)
       positions[i] = of.space.to_buffer(of.surface.triangles.positions[half_edges.point_vertex[i]]);
   });
-  constexpr float coherence = 0.998f; // normals agree to 2.6 degrees, so that a cluster hides no detail
-  const ClusterLimit limit{largest_spread(of), coherence};
+  // Normals agree to 2.6 degrees, so that a cluster hides no detail, unless fewer samples than by default ask for less.
+  constexpr float apart = 0.002f, usual = 256.0f;
+  const auto samples = static_cast<float>(fineness_of(of.pass, of.request.options).samples);
+  const ClusterLimit limit{largest_spread(of), 1.0f - apart * std::max(usual / samples, 1.0f)};
   PointSurface surface{positions, of.surface.normals().point, {}};
   std::vector<vec3> facing;
   if (!has_moments(of)) {
