@@ -209,13 +209,13 @@ def test_what_has_no_size_or_another_is_refused_in_one_sentence():
 
 def test_an_image_without_progress_can_be_interrupted_too(monkeypatch):
     asked = []
-    original = uv_images.progress_callback
+    original = uv_images.Call
 
-    def noted(progress, caught):
+    def noted(progress):
         assert progress is None
-        return original(lambda *_: asked.append(threading.current_thread()) or True, caught)
+        return original(lambda *_: asked.append(threading.current_thread()) or True)
 
-    monkeypatch.setattr(uv_images, "progress_callback", noted)
+    monkeypatch.setattr(uv_images, "Call", noted)
     draw_uv_image(np.zeros((1, 3, 2), np.float32), np.zeros((1, 3), np.int32), np.zeros(1, np.float32), 8)
     assert asked
     assert set(asked) == {threading.main_thread()}, "where Ctrl-C is caught"

@@ -21,7 +21,7 @@ from .options import (
     uses_texture_space,
 )
 from .rays import Hits, cast_rays
-from .session import BUFFERS, Context, Field, Mesh, ProgressFunction, allowed_memory
+from .session import BUFFERS, Closing, Context, Field, Mesh, ProgressFunction, allowed_memory
 from .uv_images import TexelMap, draw_uv_image, fill_gutter
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "CHOICES",
     "METHODS",
     "TABLE",
+    "Closing",
     "Context",
     "Descriptor",
     "Field",

@@ -18,7 +18,7 @@ class Row:
     label: str  # in the panel
     about: str  # the tooltip
     help: str  # on the command line
-    choices: tuple[tuple[str, str, str], ...] = ()  # name, label and tooltip of each; C has a constant of that name
+    choices: tuple[tuple[str, str, str], ...] = ()  # name, label and tooltip of each, in C's order
     limits: dict[str, object] = field(default_factory=dict)  # and more for Blender's property
     words: dict[str, object] = field(default_factory=dict)  # for argparse
     flag: str = ""  # on the command line, if it is not the name

@@ -7,13 +7,8 @@ from . import abi
 from .library import ParadescError, new_struct
 from .option_table import TABLE, Row
 
-BACKENDS = {
-    "auto": abi.BACKEND_AUTO,
-    "gpu": abi.BACKEND_GPU,
-    "software": abi.BACKEND_SOFTWARE,
-    "reference": abi.BACKEND_REFERENCE,
-    "cpu": abi.BACKEND_CPU,
-}
+# C's numbers of backends and of choices are their places, from 0.
+BACKENDS = {name: number for number, name in enumerate(("auto", "gpu", "software", "reference", "cpu"))}
 # How each backend measures: values of one method agree from machine to machine, those of two methods do only nearly.
 METHODS = {
     "gpu": "texture space",
@@ -23,15 +18,11 @@ METHODS = {
 }
 
 
-def constant(option: str, name: str) -> int:
-    """C's number for a choice."""
-    words = f"{option.removesuffix('_unit')}_{name}"
-    return getattr(abi, words.upper().replace("-", "_"))
-
-
 # The numbers of the choices of each option that is a name, and what a sentence calls the option.
 CHOICES = {
-    row.name: ({name: constant(row.name, name) for name, _, _ in row.choices}, row.what) for row in TABLE if row.choices
+    row.name: ({name: number for number, (name, _, _) in enumerate(row.choices)}, row.what)
+    for row in TABLE
+    if row.choices
 }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from . import abi
 from .arrays import address
 from .library import check, load_library, new_struct
-from .session import Interrupts, ProgressFunction, progress_callback
+from .session import Call, ProgressFunction
 from .uv_images import shaped
 
 
@@ -66,12 +66,8 @@ def cast_rays(
     native.positions, native.rays = address(points, abi.Float32Pointer), address(given, abi.Float32Pointer)
     native.triangle_vertices, native.reach = address(numbers, abi.Int32Pointer), reach
     hits = Hits(numbers, np.empty(len(given), np.int32), np.empty((len(given), 3), np.float32))
-    caught: list[BaseException] = []
-    native.progress = progress_callback(progress, caught)
     triangles, weights = address(hits.triangles, abi.Int32Pointer), address(hits.weights, abi.Float32Pointer)
-    with Interrupts(caught):
+    with Call(progress) as native.progress:
         status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
-    if caught:
-        raise caught[0]
     check(library, status)
     return hits

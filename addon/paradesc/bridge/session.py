@@ -6,7 +6,8 @@ import threading
 import weakref
 from collections.abc import Callable, Sequence
 from ctypes import byref
-from types import FrameType, TracebackType
+from types import FrameType
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,11 +20,26 @@ from .options import BACKENDS, Options, choice, int32, native_options
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
+Own = TypeVar("Own")
 # Ctrl-C, and what else asks a process to end.
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
-class Field:
+class Closing:
+    """Frees what it holds at the end of a with block."""
+
+    def close(self) -> None:
+        """Frees it; a second time does nothing."""
+        raise NotImplementedError
+
+    def __enter__(self: Own) -> Own:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+
+class Field(Closing):
     """Results at the vertices of one mesh."""
 
     def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
@@ -55,7 +71,11 @@ class Field:
 
     def values(self, name: str) -> np.ndarray:
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
-        return self._read(self._library.pdesc_field_values, name, components(name))
+        width = components(name)
+        values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
+        pointer = address(values, abi.Float32Pointer)
+        check(self._library, self._library.pdesc_field_values(self._pointer, name.encode(), pointer, len(values)))
+        return values
 
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
@@ -76,21 +96,8 @@ class Field:
         """Frees the results."""
         self._finalizer()
 
-    def __enter__(self) -> "Field":
-        return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-    def _read(self, function: Callable[..., int], name: str, width: int = 1) -> np.ndarray:
-        """(vertex_count,) or (vertex_count, width) float32 from one of the reading functions."""
-        values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
-        status = function(self._pointer, name.encode(), address(values, abi.Float32Pointer), self._vertex_count)
-        check(self._library, status)
-        return values
-
-
-class Mesh:
+class Mesh(Closing):
     """A mesh, its adjacency, charts and seams; made by Context.mesh()."""
 
     def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
@@ -159,17 +166,13 @@ class Mesh:
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
         native = native_options(self._library, options or Options(), buffers)
         pointer = abi.FieldPointer()
-        caught: list[BaseException] = []
-        callback = progress_callback(progress, caught)
-        with Interrupts(caught):
+        field = Field(self._library, pointer, self.vertex_count)  # which frees it even if an error is raised
+        with Call(progress) as callback:
             status = self._library.pdesc_compute(
                 self._pointer, byref(native), names, len(descriptors), callback, None, byref(pointer)
             )
-        if caught:
-            self._library.pdesc_field_destroy(pointer)
-            raise caught[0]
         check(self._library, status)
-        return Field(self._library, pointer, self.vertex_count)
+        return field
 
     def memory(
         self, descriptors: Sequence[str], options: Options | None = None, backend: str = "auto"
@@ -206,14 +209,8 @@ class Mesh:
         """Frees the mesh; its fields stay usable."""
         self._finalizer()
 
-    def __enter__(self) -> "Mesh":
-        return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-
-class Context:
+class Context(Closing):
     """A device and its compiled programs. Closing it closes the meshes made from it."""
 
     def __init__(self, backend: str = "auto", device_index: int = -1, threads: int = 0, memory_limit: int = 0) -> None:
@@ -240,20 +237,15 @@ class Context:
     def mesh(self, arrays: MeshArrays, progress: ProgressFunction | None = None) -> Mesh:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)
-        caught: list[BaseException] = []
-        native.progress = progress_callback(progress, caught)
         pointer = abi.MeshPointer()
-        with Interrupts(caught):
+        mesh = Mesh(self._library, pointer, native.vertex_count)  # which frees it even if an error is raised
+        self._meshes.add(mesh)
+        with Call(progress) as native.progress:
             status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
         del kept
-        if caught:
-            self._library.pdesc_mesh_destroy(pointer)
-            raise caught[0]
         if status == abi.STATUS_INVALID_ARGUMENT:
             raise InputError(text(self._library.pdesc_last_error()))
         check(self._library, status)
-        mesh = Mesh(self._library, pointer, native.vertex_count)
-        self._meshes.add(mesh)
         if arrays.maps is not None:
             mesh.set_maps(arrays.maps)
         return mesh
@@ -264,12 +256,6 @@ class Context:
             mesh.close()
         self._library.pdesc_context_destroy(self._pointer)
         self._pointer = abi.ContextPointer()
-
-    def __enter__(self) -> "Context":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
 
 
 def allowed_memory(limit: int) -> int:
@@ -284,50 +270,48 @@ def backend_name(number: int) -> str:
     return next((name for name, value in BACKENDS.items() if value == number), str(number))
 
 
-def progress_callback(progress: ProgressFunction | None, caught: list[BaseException]) -> object:
-    """A C callback. An exception of the Python callback, or a caught Ctrl-C, cancels the call and is kept in caught."""
-
-    def report(_user: int | None, stage: bytes, fraction: float) -> int:
-        try:
-            return int(not caught and (progress is None or bool(progress(text(stage), fraction))))
-        except BaseException as error:  # noqa: BLE001 (raised again by the caller: no exception may cross C)
-            caught.append(error)
-            return 0
-
-    return abi.Progress(report)
-
-
 def as_dict(struct: ctypes.Structure) -> dict[str, float | int]:
     """A report struct by member name, without its size."""
     return {name: getattr(struct, name) for name, *_ in struct._fields_ if name != "struct_size"}
 
 
-class Interrupts:
-    """Collects what handlers of Ctrl-C and SIGTERM raise during a native call; does nothing on other threads than the main one.
+class Call:
+    """A native call that reports progress, as a context: gives its C callback, and raises at the end what came up in it.
 
-    Python runs the handler of a signal where the next Python function begins. During a native call that is the progress
-    callback, before its first line: an exception from there would end in C, where nobody sees it.
+    An exception may not cross C: that of the Python callback cancels the call and is raised after it. So is what
+    handlers of Ctrl-C and SIGTERM raise, on the main thread: Python runs them where the next Python function begins,
+    which during a native call is the callback, before its first line.
 
     Handlers still run at once, and one that raises nothing stops nothing. Handlers in C are left alone.
     """
 
-    def __init__(self, caught: list[BaseException]) -> None:
-        """Takes the list to which errors are added; the caller of the native function then raises the first."""
-        self._caught = caught
+    def __init__(self, progress: ProgressFunction | None) -> None:
+        self._progress = progress
+        self._caught: list[BaseException] = []
         self._former: dict[int, Callable[[int, FrameType | None], object]] = {}
 
-    def __enter__(self) -> None:
-        if threading.current_thread() is not threading.main_thread():
-            return
-        for number in NUMBERS:
-            former = signal.getsignal(number)
-            if callable(former):
-                self._former[number] = former
-                signal.signal(number, self._keep)
+    def __enter__(self) -> object:
+        if threading.current_thread() is threading.main_thread():
+            for number in NUMBERS:
+                former = signal.getsignal(number)
+                if callable(former):
+                    self._former[number] = former
+                    signal.signal(number, self._keep)
+        return abi.Progress(self._report)
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, kind: type | None, *_error: object) -> None:
         for number, former in self._former.items():
             signal.signal(number, former)
+        if self._caught and kind is None:
+            raise self._caught[0]
+
+    def _report(self, _user: int | None, stage: bytes, fraction: float) -> int:
+        try:
+            go_on = self._progress is None or bool(self._progress(text(stage), fraction))
+            return int(go_on and not self._caught)
+        except BaseException as error:  # noqa: BLE001 (raised again once the call has ended)
+            self._caught.append(error)
+            return 0
 
     def _keep(self, number: int, frame: FrameType | None) -> None:
         try:

@@ -9,7 +9,7 @@ from . import abi
 from .arrays import address
 from .library import ParadescError, check, load_library, new_struct
 from .options import int32
-from .session import Interrupts, ProgressFunction, progress_callback
+from .session import Call, ProgressFunction
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,8 @@ def draw_uv_image(
         native.map, native.map_size = address(source, abi.Float32Pointer), side
         native.map_uvs = address(layout, abi.Float32Pointer)
     image = np.empty((max(size, 0), max(size, 0), width), np.float32)
-    caught: list[BaseException] = []
-    native.progress = progress_callback(progress, caught)
-    with Interrupts(caught):
+    with Call(progress) as native.progress:
         status = library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size)
-    if caught:
-        raise caught[0]
     check(library, status)
     return image
 

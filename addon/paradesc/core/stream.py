@@ -6,7 +6,6 @@ bake of its own, whatever frames came before. Never imports bpy.
 """
 
 from dataclasses import replace
-from types import TracebackType
 
 import numpy as np
 
@@ -27,7 +26,7 @@ SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
 TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
 
 
-class Stream:
+class Stream(bridge.Closing):
     """A native mesh for the positions of one object, frame after frame; shared: uses the device that others share."""
 
     def __init__(self, arrays: MeshArrays, settings: job.Settings, shared: bool = False) -> None:
@@ -125,12 +124,6 @@ class Stream:
         """Drops the mesh and the device without taking a lock, as the garbage collector may call this at any time."""
         self.forget()
         self._lease.leave()
-
-    def __enter__(self) -> "Stream":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
 
 
 class Contact:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from .. import __version__
-from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import METHODS, Closing, InputError, MeshArrays, ParadescError, ProgressFunction, abi
 from ..core import color_maps, fitting, job
 from ..core.digests import digest
 from ..core.stream import Stream
@@ -60,7 +60,7 @@ class Done:
     warnings: list[str]
 
 
-class Baker:
+class Baker(Closing):
     """Bakes the frames of one mesh, on one native mesh as long as the faces stay. Existing frames are kept."""
 
     def __init__(self, object_name: str, mesh_name: str, request: FrameRequest) -> None:
@@ -188,12 +188,6 @@ class Baker:
     def close(self) -> None:
         """Frees the device."""
         self.stream.close()
-
-    def __enter__(self) -> "Baker":
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.close()
 
 
 def without_layout(arrays: MeshArrays) -> MeshArrays:
