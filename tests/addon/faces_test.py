@@ -202,7 +202,7 @@ def test_ply_and_npz_hold_values_of_faces(tmp_path, baked):
     directions = baked.results.values["principal_direction_max"]
     assert np.array_equal(raw["principal_direction_max_z"].reshape(-1), directions[:, 2])
     assert np.array_equal(mesh.faces, baked.arrays.triangle_vertices)
-    results.write_npz(tmp_path / "a.npz", baked)
+    results.write_npz(tmp_path / "a.npz", [baked])
     kept = np.load(tmp_path / "a.npz")
     assert np.array_equal(kept["triangles"], baked.arrays.triangle_vertices)
     assert np.array_equal(kept["mean_curvature"], baked.results.values["mean_curvature"])

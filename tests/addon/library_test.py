@@ -279,8 +279,9 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path):
 
 def test_a_window_loses_no_name():
     with ThreadPoolExecutor(2) as pool:
-        done = list(spreading.windowed(lambda name: pool.submit(str, name), list(map(str, range(50))), 4, lambda: None))
-    assert sorted(done, key=int) == list(map(str, range(50)))
+        found = list(spreading.windowed(lambda name: pool.submit(str, name), list(map(str, range(50))), 4, lambda: None))
+    assert [name for name, _ in found] == [future.result() for _, future in found]
+    assert sorted((name for name, _ in found), key=int) == list(map(str, range(50)))
 
 
 @pytest.mark.slow

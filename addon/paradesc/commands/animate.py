@@ -3,8 +3,6 @@
 import argparse
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from ..bridge import ProgressFunction
@@ -25,7 +23,6 @@ from .common import (
 from .look_options import fixed_range
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-from .sources import Target, source_of
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
@@ -55,18 +52,27 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the missing frames; returns the report on all frames that exist then."""
     settings_of(arguments)
     check_preset(arguments.preset)
-    chosen = parse_frames(arguments.frames)
+    chosen = animate_files.parse_frames(arguments.frames)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
     check_outputs([arguments.json] if arguments.json else [])
-    bakes = file_bakes(arguments, chosen) if animate_files.is_asked(arguments) else scene_bakes(arguments, chosen)
-    settings, wanted, root = bakes.settings, bakes.wanted, bakes.root
+    source = animate_files.source_of_frames(arguments)
+    notes = source.open()
+    opened = source.picked()
+    settings = opened_settings(arguments)
+    if isinstance(source, animate_files.SequenceSource):
+        arguments.source = animate_files.SOURCE
+    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
+    wanted, root = chosen or source.frame_range(), source.cache_folder()
     reports = []
     with Progress(arguments.progress) as progress:
-        for index, (name, bake) in enumerate(bakes.objects):
-            folder = cache.object_folder(root, name)
+        for index, target in enumerate(opened.objects):
+            folder = cache.object_folder(root, target.name)
             make_writable(folder)
-            reports.append(bake(folder, job.part_of(progress, index, len(bakes.objects))))
+            request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
+            with source.frame_baker(target, request) as baker:
+                part = job.part_of(progress, index, len(opened.objects))
+                reports.append(report_of(baker, wanted, bake_frames(baker, wanted, part)))
             if arguments.range:
                 cache.write_fixed(folder, dict(arguments.range))
     shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
@@ -74,7 +80,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
         print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
-    print_notes(bakes.notes)
+    print_notes(notes)
     return {
         "settings": settings.as_dict(),
         "source": arguments.source,
@@ -82,55 +88,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         "frames": list(wanted),
         "objects": reports,
         "ranges": {name: [shown.minimum, shown.maximum] for name, shown in shared.items()},
-        "notes": bakes.notes,
+        "notes": notes,
         "warnings": list(dict.fromkeys(sentence for report in reports for sentence in report["warnings"])),
     }
-
-
-@dataclass
-class Bakes:
-    """The bakes to run: for each object its name, and a function that bakes its frames into a folder."""
-
-    settings: job.Settings
-    wanted: Sequence[int]
-    root: Path
-    objects: list[tuple[str, Callable[[Path, ProgressFunction], dict[str, object]]]]
-    notes: list[str]
-
-
-def scene_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
-    """The objects of Blender's scene."""
-    source = source_of(arguments)
-    notes = source.open()
-    opened = source.picked()
-    settings = opened_settings(arguments)
-    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
-    wanted = chosen or source.frame_range()
-
-    def bake(target: Target, folder: Path, progress: ProgressFunction) -> dict[str, object]:
-        request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
-        with source.frame_baker(target, request) as baker:
-            return report_of(baker, wanted, bake_frames(baker, wanted, progress))
-
-    objects = [(target.name, partial(bake, target)) for target in opened.objects]
-    return Bakes(settings, wanted, source.cache_folder(), objects, notes)
-
-
-def file_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
-    """The meshes of a sequence of files."""
-    meshes = animate_files.opened(arguments)
-    settings = opened_settings(arguments)
-    arguments.source = animate_files.SOURCE
-    wanted = animate_files.wanted(meshes, chosen)
-    notes = notes_of_preset(arguments.preset_content, has_colors=False)
-
-    def bake(mesh: animate_files.MeshSequence, folder: Path, progress: ProgressFunction) -> dict[str, object]:
-        request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
-        with animate_files.FileBaker(mesh, request, arguments) as baker:
-            return report_of(baker, wanted, bake_frames(baker, wanted, progress))
-
-    objects = [(mesh.name, partial(bake, mesh)) for mesh in meshes]
-    return Bakes(settings, wanted, animate_files.cache_folder(arguments), objects, notes)
 
 
 def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction) -> list[Done]:
@@ -149,14 +109,6 @@ def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction)
 def part_of(progress: ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
     """Turns the progress of one frame into that of all frames."""
     return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
-
-
-def parse_frames(text: str | None) -> range | None:
-    """The frames that --frames asks for; None stands for the scene's."""
-    try:
-        return None if text is None else cache.parse_frames(text)
-    except ValueError as error:
-        raise UsageError(str(error)) from error
 
 
 def make_writable(folder: Path) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from ..files.mesh_files import FileMesh
 from ..files.paths import is_folder
 from . import file_reading
 from .common import UsageError
+from .sources import Opened, scene_source
 
 SOURCE = "files"
 
@@ -51,50 +53,67 @@ class FileReading:
     own: bool = True
 
 
-def is_asked(arguments: argparse.Namespace) -> bool:
-    """Whether the input is a sequence of files. A single file that is read without Blender is refused."""
-    if arguments.input is None:
-        return False
-    if sequences.is_sequence(arguments.input):
-        if arguments.reader == "blender":
-            raise UsageError("A sequence of files is read without Blender; leave --reader blender out.")
-        return True
-    if file_reading.reads_files(arguments):
-        how = "a folder, frames/mesh_####.ply or 'frames/*.ply'"
-        raise UsageError(f'"{arguments.input}" is one mesh and no animation; give a sequence of files: {how}.')
-    return False
+class SequenceSource:
+    """A sequence of files, with the methods of SceneSource that commands about frames call."""
+
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        self.arguments = arguments
+        self.files: dict[int, Path] = {}
+
+    def open(self) -> list[str]:
+        """Finds the files of all frames, among them those that --frames asks for."""
+        file_reading.check_options(self.arguments)
+        self.files = sequences.frames_of(self.arguments.input)
+        lacking = [frame for frame in parse_frames(self.arguments.frames) or () if frame not in self.files]
+        if lacking:
+            more = f" and {len(lacking) - 1:,} more" if len(lacking) > 1 else ""
+            there = f"there are frames {min(self.files)} to {max(self.files)}"
+            raise InputError(f"There is no file for frame {lacking[0]}{more}; {there}.")
+        return []
+
+    def picked(self) -> Opened:
+        """The meshes that the options choose, by their names in the first file."""
+        arguments, first = self.arguments, next(iter(self.files.values()))
+        there = mesh_files.read(first) if arguments.all or arguments.object else []
+        if len(there) > 1 or arguments.object:
+            chosen = there if arguments.all else file_reading.chosen(there, arguments.object)
+            return Opened([MeshSequence(mesh.name, self.files, mesh.name) for mesh in chosen])
+        return Opened([MeshSequence(sequences.name_of(arguments.input, first), self.files, None)])
+
+    def frame_range(self) -> Sequence[int]:
+        """The frames of all files."""
+        return list(self.files)
+
+    def cache_folder(self) -> Path:
+        """The folder that --cache names, or one beside the files."""
+        given = self.arguments.input
+        beside = (given if is_folder(given) else given.parent) / cache.DEFAULT_FOLDER
+        return beside if self.arguments.cache is None else self.arguments.cache
+
+    def frame_baker(self, mesh: MeshSequence, request: FrameRequest) -> "FileBaker":
+        """Bakes the mesh's frames."""
+        return FileBaker(mesh, request, self.arguments)
 
 
-def opened(arguments: argparse.Namespace) -> list[MeshSequence]:
-    """The meshes of the sequence that the options choose, by their names in its first file."""
-    file_reading.check_options(arguments)
-    files = sequences.frames_of(arguments.input)
-    name = sequences.name_of(arguments.input, next(iter(files.values())))
-    if not arguments.all and not arguments.object:
-        return [MeshSequence(name, files, None)]
-    there = mesh_files.read(next(iter(files.values())))
-    if arguments.all and len(there) == 1:
-        return [MeshSequence(name, files, None)]
-    chosen = there if arguments.all else file_reading.chosen(there, arguments.object)
-    return [MeshSequence(mesh.name, files, mesh.name) for mesh in chosen]
+def source_of_frames(arguments: argparse.Namespace) -> Any:
+    """The source of frames, which is not open yet. A single file that is read without Blender is refused."""
+    given = arguments.input
+    if given is None or not sequences.is_sequence(given):
+        if file_reading.reads_files(arguments):
+            how = "a folder, frames/mesh_####.ply or 'frames/*.ply'"
+            raise UsageError(f'"{given}" is one mesh and no animation; give a sequence of files: {how}.')
+        return scene_source(arguments)
+    if arguments.reader == "blender":
+        raise UsageError("A sequence of files is read without Blender; leave --reader blender out.")
+    return SequenceSource(arguments)
 
 
-def wanted(meshes: list[MeshSequence], asked: range | None) -> Sequence[int]:
-    """The frames to bake: all files, or the frames that --frames names, which must exist."""
-    files = meshes[0].files
-    lacking = [frame for frame in asked or () if frame not in files]
-    if lacking:
-        more = f" and {len(lacking) - 1:,} more" if len(lacking) > 1 else ""
-        first, last = min(files), max(files)
-        raise InputError(f"There is no file for frame {lacking[0]}{more}; there are frames {first} to {last}.")
-    return list(files) if asked is None else asked
-
-
-def cache_folder(arguments: argparse.Namespace) -> Path:
-    """The folder that --cache names, or one beside the files."""
-    if arguments.cache is not None:
-        return arguments.cache
-    return (arguments.input if is_folder(arguments.input) else arguments.input.parent) / cache.DEFAULT_FOLDER
+def parse_frames(text: str | None) -> range | None:
+    """The frames that --frames asks for; None stands for those of the source."""
+    try:
+        return None if text is None else cache.parse_frames(text)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
 
 
 class FileBaker(Baker):

@@ -58,14 +58,9 @@ def key_of(settings: job.Settings) -> str:
     return hashlib.sha256(json.dumps([__version__, flat], sort_keys=True).encode()).hexdigest()[:32]
 
 
-def results_path(work: Work, name: str) -> Path:
-    """The path of an asset's arrays."""
-    return work.output / RESULTS / f"{name}.npz"
-
-
-def row_path(work: Work, name: str) -> Path:
-    """The path of an asset's row."""
-    return work.output / RESULTS / f"{name}.json"
+def paths_of(output: Path, name: str) -> tuple[Path, Path]:
+    """The paths of an asset's arrays and of its row."""
+    return output / RESULTS / f"{name}.npz", output / RESULTS / f"{name}.json"
 
 
 def measure(work: Work, name: str, progress: ProgressFunction | None = None) -> Done:
@@ -97,14 +92,9 @@ def failed(row: dict, sentence: str, code: int) -> dict:
 
 def write_row(work: Work, row: dict) -> None:
     """Writes a row beside the results."""
-    path = row_path(work, row["file"])
+    _, path = paths_of(work.output, row["file"])
     make_folder(path.parent)
-    write_whole(path, row, write_line)
-
-
-def write_line(path: Path, row: dict) -> None:
-    """Writes a row as one line of JSON."""
-    results.write_text(path, line_of(row))
+    write_whole(path, line_of(row), results.write_text)
 
 
 def line_of(row: dict) -> str:
@@ -141,13 +131,14 @@ def buffers_beside(path: Path, content: bytes) -> list[Path]:
 
 def kept_row(work: Work, asked: dict) -> dict | None:
     """The row of an earlier run, if it has this content and these settings and its results exist."""
-    row = read_row(row_path(work, asked["file"]))
+    arrays, path = paths_of(work.output, asked["file"])
+    row = read_row(path)
     if any(row.get(name) != asked[name] for name in ("file", "content_hash", "settings_key")):
         return None
     if row.get("status") == "failed":
         return row if row.get("exit_code") in LASTING else None
     try:
-        size = results_path(work, asked["file"]).stat().st_size
+        size = arrays.stat().st_size
     except OSError:
         return None
     return row if size == row.get("results_bytes") else None
@@ -174,17 +165,13 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
     parts = [job.part_of(progress, index, len(meshes)) for index in range(len(meshes))]
     baked = [bake(mesh, settings, part) for mesh, part in zip(meshes, parts, strict=True)]
     done = time.monotonic()
-    path = results_path(work, name)
+    path, _ = paths_of(work.output, name)
     make_folder(path.parent)
-    if len(baked) == 1:
-        write_whole(path, baked[0], results.write_npz)
-    else:
-        write_whole(path, baked, results.write_npz_of_all)
+    write_whole(path, baked, results.write_npz)
     content = path.read_bytes()
     first = baked[0].results
-    described = [described_object(one) for one in baked]
     return {
-        "objects": described,
+        "objects": [described_object(one) for one in baked],
         "warnings": list(dict.fromkeys(sentence for one in baked for sentence in one.results.warnings)),
         "notes": list(dict.fromkeys(sentence for one in baked for sentence in one.notes)),
         "backend": first.backend,

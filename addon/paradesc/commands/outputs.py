@@ -132,10 +132,10 @@ def write_files(
             continue
         if suffix == ".blend":
             source.save(path)
-        elif suffix == ".npz" and len(baked) > 1:
-            write_whole(path, baked, results.write_npz_of_all)
+        elif suffix == ".npz":
+            write_whole(path, baked, results.write_npz)
         else:
-            write_whole(path, whole, results.write_npz if suffix == ".npz" else WRITERS[suffix])
+            write_whole(path, whole, WRITERS[suffix])
         written.append(path)
     if any(one.results.tiles for one in baked):  # which draws them only now
         with Progress(arguments.progress) as progress:

@@ -5,13 +5,12 @@ Nothing is planned here: the pool and Dask decide who takes which asset. Never i
 
 import multiprocessing
 import os
-import secrets
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -22,7 +21,6 @@ from .common import EXIT_FAILED
 
 if TYPE_CHECKING:
     from distributed import Client
-    from distributed import Future as DaskFuture
 
 # Dask's scheduler keeps state for each known task, so only so many tasks are submitted at a time.
 WINDOW = 2000
@@ -30,7 +28,6 @@ WINDOW = 2000
 CONNECTING = 10
 # Seconds between two checks whether the run has to stop.
 PATIENCE = 0.1
-SHORT_PATIENCE = 0.005
 DIED = "The process that computed it was ended from outside, perhaps because memory was short; try --workers 1."
 DIED_ON_WORKERS = "Every Dask worker that computed it was ended, perhaps because memory was short."
 
@@ -87,7 +84,8 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
     # Not forked: the native library may have threads, which a fork would lose in the middle of their work.
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin_process)
     try:
-        yield from windowed(lambda name: pool.submit(assets.measure, work, name), names, 2 * workers, check)
+        for _, future in windowed(partial(pool.submit, assets.measure, work), names, 2 * workers, check):
+            yield future.result()
     except BaseException:
         for process in set(multiprocessing.active_children()) - others:
             process.terminate()
@@ -101,18 +99,18 @@ def begin_process() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def windowed(submit: Callable[[str], Future], names: list[str], window: int, check: Check) -> Iterator[Done]:
-    """Submits names while earlier ones finish, with at most window of them under way."""
+def windowed(
+    submit: Callable[[str], Future], names: list[str], window: int, check: Check
+) -> Iterator[tuple[str, Future]]:
+    """Submits names while earlier ones finish, with at most window of them under way; yields what has finished."""
     waiting = iter(names)
-    running = {submit(name) for name in islice(waiting, window)}
+    running = {submit(name): name for name in islice(waiting, window)}
     while running:
-        done, running = wait(running, PATIENCE, FIRST_COMPLETED)
+        done, _ = wait(running, PATIENCE, FIRST_COMPLETED)
         check()
         for future in done:
-            name = next(waiting, None)
-            if name is not None:
-                running.add(submit(name))
-            yield future.result()
+            running.update({submit(name): name for name in islice(waiting, 1)})
+            yield running.pop(future), future
 
 
 def ended(work: Work, name: str, sentence: str) -> Done:
@@ -143,35 +141,15 @@ def connected(address: str) -> "Client":
 
 def on_dask(work: Work, names: list[str], client: "Client", check: Check) -> Iterator[Done]:
     """Computes assets on Dask's workers, which must find the folders at the same paths. Dask repeats a lost asset."""
-    from distributed import as_completed
-
-    waiting = iter(names)
-    asset_of: dict[str, str] = {}
-    run = secrets.token_hex(4)  # a new run computes again, instead of getting Dask's results of an earlier one
-
-    def submit(name: str) -> "DaskFuture":
-        future = client.submit(assets.measure, work, name, pure=False, key=f"paradesc-{run}-{name}")
-        asset_of[future.key] = name
-        return future
-
-    running = as_completed([submit(name) for name in islice(waiting, WINDOW)], loop=client.loop)
+    executor = client.get_executor(pure=False)  # a new run computes again, instead of getting results of an earlier one
     try:
-        while running.count():
-            check()
-            if not running.has_ready():
-                time.sleep(SHORT_PATIENCE)
-                continue
-            future = next(running)
-            done = result_of(work, asset_of.pop(future.key), future)
-            name = next(waiting, None)
-            if name is not None:
-                running.add(submit(name))
-            yield done
+        for name, future in windowed(partial(executor.submit, assets.measure, work), names, WINDOW, check):
+            yield result_of(work, name, future)
     finally:
-        client.cancel(list(running.futures), force=True)
+        executor.shutdown(wait=False)
 
 
-def result_of(work: Work, name: str, future: "DaskFuture") -> Done:
+def result_of(work: Work, name: str, future: Future) -> Done:
     """The result of a worker; if every worker that tried the asset died, a row that says so."""
     from distributed import KilledWorker
 

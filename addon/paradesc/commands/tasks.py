@@ -13,13 +13,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..bridge import InputError, ParadescError
+from ..bridge import ParadescError
 from ..files import cache, results
 from ..files.results import folder_fault, write_whole
-from . import animate, animate_files, assets, bundles, library
+from . import animate_files, assets, bundles, library
 from .common import Parser, UsageError, add_output_options, check_outputs, has_blender
 from .options import opened_settings, settings_of
-from .sources import source_of
 
 DIVIDED = ("animate", "library")
 FRAMES_A_TASK = 10
@@ -158,41 +157,35 @@ def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
 # ---- Frames
 
 
-@dataclass
-class Scene:
-    """The facts about a scene or a sequence of files that the tasks depend on."""
-
-    frames: Sequence[int]
-    root: Path  # of all frames
-    folders: list[Path]  # of the frames of each object
-    note: str = ""
+def task(name: str, stage: int, command: list[str], given: Path, outputs: list[Path]) -> dict[str, object]:
+    """One task as it is listed."""
+    return {
+        "name": name,
+        "stage": stage,
+        "command": command,
+        "input": str(given),
+        "outputs": [str(path) for path in outputs],
+    }
 
 
 def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
     """Chunks of frames."""
     chunk = arguments.chunk or FRAMES_A_TASK
-    scene = sequence_of(parsed) if animate_files.is_asked(parsed) else scene_of(parsed)
+    frames, root, folders, notes = scene_of(parsed)
     tasks = []
-    for frames in chunks(scene.frames, chunk):
-        text = written_frames(frames)
-        outputs = [str(cache.frame_path(folder, frame)) for folder in scene.folders for frame in frames]
-        tasks.append(
-            {
-                "name": f"frames {text}",
-                "stage": 1,
-                "command": [*start, f"--frames={text}"],  # the first frame may be negative
-                "input": str(parsed.input),
-                "outputs": outputs or [str(scene.root)],
-            }
-        )
-    parameters = {"Scene": absolute(parsed.input), "Cache": absolute(scene.root), "FramesPerTask": chunk}
+    for part in chunks(frames, chunk):
+        text = written_frames(part)
+        outputs = [cache.frame_path(folder, frame) for folder in folders for frame in part]
+        command = [*start, f"--frames={text}"]  # the first frame may be negative
+        tasks.append(task(f"frames {text}", 1, command, parsed.input, outputs or [root]))
+    parameters = {"Scene": absolute(parsed.input), "Cache": absolute(root), "FramesPerTask": chunk}
     if arguments.bundle is not None:
-        if not isinstance(scene.frames, range):
+        if not isinstance(frames, range):
             raise UsageError(
                 "The bundle for frames takes a scene; list the tasks of a sequence of files without --bundle."
             )
-        parameters["Frames"] = written_frames(scene.frames).replace(":", "-", 1)
-    return Listed(tasks, parameters, [scene.note] if scene.note else [])
+        parameters["Frames"] = written_frames(frames).replace(":", "-", 1)
+    return Listed(tasks, parameters, notes)
 
 
 def chunks(frames: Sequence[int], longest: int) -> Iterator[range]:
@@ -220,32 +213,27 @@ def absolute(path: Path) -> str:
     return str(path.absolute())
 
 
-def scene_of(parsed: argparse.Namespace) -> Scene:
-    """Opens the scene for its frames and objects. Without Blender, the options have to supply them."""
-    frames = animate.parse_frames(parsed.frames)
+def scene_of(parsed: argparse.Namespace) -> tuple[Sequence[int], Path, list[Path], list[str]]:
+    """The frames, the folder of them all, that of each object's, and notes; they are read from the scene or the files.
+
+    Without Blender, the options have to supply what is in a scene.
+    """
+    frames, source = animate_files.parse_frames(parsed.frames), None
     try:
-        source = source_of(parsed)
+        source = animate_files.source_of_frames(parsed)
         source.open()
         objects = source.picked().objects
-    except (ParadescError, InputError):
-        if has_blender() or frames is None or parsed.cache is None:
+    except ParadescError:
+        if source is not None or has_blender() or frames is None or parsed.cache is None:
             raise
         note = "Without Blender's module bpy nobody knows the objects: outputs are the folder of all."
-        return Scene(frames, parsed.cache, [], note)
+        return frames, parsed.cache, [], [note]
     opened_settings(parsed)  # which are refused here if they make no sense
     root = source.cache_folder()
     folders = [cache.object_folder(root, target.name) for target in objects]
-    return Scene(frames or source.frame_range(), root, folders)
-
-
-def sequence_of(parsed: argparse.Namespace) -> Scene:
-    """Opens the first file of a sequence."""
-    meshes = animate_files.opened(parsed)
-    frames = animate_files.wanted(meshes, animate.parse_frames(parsed.frames))
-    root = animate_files.cache_folder(parsed)
-    folders = [cache.object_folder(root, mesh.name) for mesh in meshes]
-    opened_settings(parsed)
-    return Scene(list(frames), root, folders)
+    frames = frames or source.frame_range()
+    is_scene = not isinstance(source, animate_files.SequenceSource)
+    return frames if is_scene else list(frames), root, folders, []
 
 
 # ---- Assets
@@ -254,38 +242,20 @@ def sequence_of(parsed: argparse.Namespace) -> Scene:
 def assets_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
     """A task for each asset, or for each of equal parts; then a task that lists their results."""
     library.check(parsed)
-    settings = opened_settings(parsed)
+    opened_settings(parsed)  # which are refused here if they make no sense
     names = [name for name, _ in library.found(parsed.input)]
-    work = library.work_of(parsed, settings, 2)
     chunk = arguments.chunk or 1
     parts = max(1, math.ceil(len(names) / chunk))
     shares = [(f"--asset={name}", [name]) for name in names]
     if arguments.chunk or arguments.bundle:
         parts = parts if arguments.chunk else min(parts, PARTS)
         shares = [(f"--part={k}/{parts}", assets.of_part(names, (k, parts))) for k in range(1, parts + 1)]
-    tasks = [asset_task([*start, word, "--allow-failures"], parsed, work, share) for word, share in shares if share]
-    tasks.append(
-        {
-            "name": "listing",
-            "stage": 2,
-            "command": start,
-            "input": str(parsed.input),
-            "outputs": [str(parsed.output / library.LISTING)],
-        }
-    )
+    tasks = []
+    for word, share in shares:
+        outputs = [path for name in share for path in assets.paths_of(parsed.output, name)]
+        name = share[0] if len(share) == 1 else f"{word.removeprefix('--part=')}: {len(share)} assets"
+        given = parsed.input / share[0] if len(share) == 1 else parsed.input
+        tasks += [task(name, 1, [*start, word, "--allow-failures"], given, outputs)] if share else []
+    tasks.append(task("listing", 2, start, parsed.input, [parsed.output / library.LISTING]))
     parameters = {"Library": absolute(parsed.input), "Output": absolute(parsed.output), "Parts": parts}
     return Listed(tasks, parameters)
-
-
-def asset_task(
-    command: list[str], parsed: argparse.Namespace, work: assets.Work, names: list[str]
-) -> dict[str, object]:
-    """The task that computes these assets."""
-    where = [path(work, name) for name in names for path in (assets.results_path, assets.row_path)]
-    return {
-        "name": names[0] if len(names) == 1 else f"{command[-2].removeprefix('--part=')}: {len(names)} assets",
-        "stage": 1,
-        "command": command,
-        "input": str(parsed.input / names[0] if len(names) == 1 else parsed.input),
-        "outputs": [str(parsed.output / path.relative_to(work.output)) for path in where],
-    }

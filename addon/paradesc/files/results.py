@@ -67,17 +67,20 @@ def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return found
 
 
-def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,).
-
-    Values of faces are as long as the triangles (m, 3), which are then written too.
-    """
+def write_npz(path: Path, baked: list[Baked]) -> None:
+    """Writes the arrays of an object. Of several objects, each name follows that of its object and a slash."""
+    arrays = arrays_of(baked[0])
+    if len(baked) > 1:
+        arrays = {f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
     with path.open("wb") as file:
-        np.savez(file, **arrays_of(baked))
+        np.savez(file, **arrays)
 
 
 def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
-    """The arrays of one object for a .npz file."""
+    """Vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,).
+
+    Values of faces are as long as the triangles (m, 3), which are then written too.
+    """
     placed = {"vertices": baked.arrays.positions, "matrix_world": baked.matrix_world}
     if baked.at_faces:
         placed["triangles"] = baked.arrays.triangle_vertices
@@ -110,14 +113,6 @@ def table_of(columns: dict[str, np.ndarray]) -> np.ndarray:
     for name, column in columns.items():
         table[name] = column
     return table
-
-
-def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
-    """Writes several objects; each name follows that of its object and a slash."""
-    with path.open("wb") as file:
-        np.savez(
-            file, **{f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
-        )
 
 
 def joined(baked: list[Baked]) -> Baked:
