@@ -13,6 +13,7 @@ import re
 import struct
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -34,6 +35,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}")
 FILE_NAME = re.compile(r"frame_(-?\d{1,7})" + re.escape(SUFFIX))
 # Each frame keeps its distribution at so many evenly spaced ranks; the range over all frames follows from these.
 QUANTILES = 257
+ENDING = ":quantiles"  # of the names of their arrays
 FRAMES = re.compile(r"(-?\d+)(?:[:-](-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
@@ -89,22 +91,16 @@ def frames_in(folder: Path) -> dict[int, Path]:
 def parse_frames(text: str) -> range:
     """The frames of A:B, A:B:STEP or A, B included; a minus sign may stand for the first colon, as farms write it."""
     found = FRAMES.fullmatch(text.strip())
-    if not found:
-        raise ValueError(f'"{text}" is not a range of frames; give A:B or A:B:STEP, for example 1:250.')
-    first = int(found[1])
-    last = int(found[2]) if found[2] else first
-    step = int(found[3]) if found[3] else 1
-    return frame_range(first, last, step)
+    need(found, f'"{text}" is not a range of frames; give A:B or A:B:STEP, for example 1:250.')
+    return frame_range(int(found[1]), int(found[2] or found[1]), int(found[3] or 1))
 
 
 def frame_range(first: int, last: int, step: int) -> range:
     """All frames from first to last; raises ValueError if there are none, or far too many."""
-    if step < 1:
-        raise ValueError("The step between frames must be at least 1.")
-    if last < first:
-        raise ValueError(f"The last frame, {last}, comes before the first, {first}.")
-    if max(abs(first), abs(last)) >= LAST_FRAME or (last - first) // step >= MOST_FRAMES:
-        raise ValueError(f"Frames {first} to {last} are more than Blender has.")
+    need(step >= 1, "The step between frames must be at least 1.")
+    need(last >= first, f"The last frame, {last}, comes before the first, {first}.")
+    are_few = max(abs(first), abs(last)) < LAST_FRAME and (last - first) // step < MOST_FRAMES
+    need(are_few, f"Frames {first} to {last} are more than Blender has.")
     return range(first, last + 1, step)
 
 
@@ -150,7 +146,7 @@ def encode(content: Frame) -> bytes:
     for name, values in content.values.items():
         if values.ndim == 1:
             quantiles, counts[name] = summarize(values)
-            arrays.append((f"{name}:quantiles", quantiles))
+            arrays.append((name + ENDING, quantiles))
     header = {
         "version": VERSION,
         "key": content.key,
@@ -186,11 +182,9 @@ def write_whole(path: Path, content: bytes) -> None:
 def sweep(folder: Path) -> None:
     """Removes temporary files of killed runs that are at least a day old."""
     for path in folder.glob(f".frame_*{SUFFIX}.*.part"):
-        try:
+        with suppress(OSError):  # another machine has removed it already
             if path.stat().st_mtime < time.time() - 86400:
                 path.unlink()
-        except OSError:
-            continue  # another machine has removed it already
 
 
 # ---- Reading
@@ -212,79 +206,64 @@ def read_frame(path: Path) -> Frame:
 
 def decode(content: bytes, path: Path) -> Frame:
     """Turns bytes of encode() into a frame; raises ValueError, TypeError or KeyError for any others."""
-    start = len(MAGIC) + 8
-    if len(content) < start + DIGEST_BYTES or content[: len(MAGIC)] != MAGIC:
-        raise ValueError("it does not begin as one")
-    if hashlib.sha256(content[:-DIGEST_BYTES]).digest() != content[-DIGEST_BYTES:]:
-        raise ValueError("its checksum is wrong")
+    start, end = len(MAGIC) + 8, len(content) - DIGEST_BYTES
+    need(start <= end and content.startswith(MAGIC), "it does not begin as one")
+    need(hashlib.sha256(content[:end]).digest() == content[end:], "its checksum is wrong")
     (length,) = struct.unpack_from("<Q", content, len(MAGIC))
-    if length > min(LARGEST_HEADER, len(content) - start - DIGEST_BYTES):
-        raise ValueError("its header is too long")
+    need(length <= min(LARGEST_HEADER, end - start), "its header is too long")
     header = json.loads(content[start : start + length])
     check_header(header, path)
     arrays, at = {}, start + length
     for name, columns, rows in header["arrays"]:
-        if 4 * columns * rows > len(content) - DIGEST_BYTES - at:
-            raise ValueError("it ends too early")
+        need(4 * columns * rows <= end - at, "it ends too early")
         array = np.frombuffer(content, "<f4", columns * rows, at).astype(np.float32)
         arrays[name] = array if columns == 1 else array.reshape(rows, columns)
         at += 4 * columns * rows
-    if at != len(content) - DIGEST_BYTES:
-        raise ValueError("it ends too late")
-    ending = ":quantiles"
-    return Frame(
-        frame=header["frame"],
-        key=header["key"],
-        input=header["input"],
-        values={name: array for name, array in arrays.items() if not name.endswith(ending)},
-        info=header["info"],
-        quantiles={name.removesuffix(ending): array for name, array in arrays.items() if name.endswith(ending)},
-        counts=header["counts"],
-    )
+    need(at == end, "it ends too late")
+    quantiles = {name.removesuffix(ENDING): arrays.pop(name) for name in list(arrays) if name.endswith(ENDING)}
+    return Frame(header["frame"], header["key"], header["input"], arrays, header["info"], quantiles, header["counts"])
 
 
 def check_header(header: object, path: Path) -> None:
     """Raises if a header is not one of ours, or of another frame than the file's name says."""
-    if not isinstance(header, dict) or not isinstance(header.get("info"), dict):
-        raise ValueError("its header is none")
-    if type(header["version"]) is not int or header["version"] != VERSION:
-        raise ValueError(f"it has version {header['version']}, and this Paradesc reads {VERSION}")
-    if not all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input")):
-        raise ValueError("its key is none")
+    need(isinstance(header, dict) and isinstance(header.get("info"), dict), "its header is none")
+    version, frame, count, counts = (header[name] for name in ("version", "frame", "vertex_count", "counts"))
+    need(type(version) is int and version == VERSION, f"it has version {version}, and this Paradesc reads {VERSION}")
+    need(all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input")), "its key is none")
     named = FILE_NAME.fullmatch(path.name)
-    check_whole(header["frame"], -LAST_FRAME, LAST_FRAME, "frame")
-    if named and int(named[1]) != header["frame"]:
-        raise ValueError(f"it holds frame {header['frame']}")
-    check_whole(header["vertex_count"], 0, LARGEST_COUNT, "vertex count")
+    need(is_whole(frame, -LAST_FRAME, LAST_FRAME), "its frame is wrong")
+    need(not named or int(named[1]) == frame, f"it holds frame {frame}")
+    need(is_whole(count, 0, LARGEST_COUNT), "its vertex count is wrong")
     seen = set()
     for name, columns, rows in header["arrays"]:
-        stem, _, part = name.partition(":")
-        if not NAME.fullmatch(stem) or part not in ("", "quantiles") or name in seen:
-            raise ValueError("an array's name is none")
+        stem = name.removesuffix(ENDING)
+        need(NAME.fullmatch(stem) and name not in seen, "an array's name is none")
         seen.add(name)
-        if part:
-            check_whole(columns, 1, 1, "quantiles")
-            check_whole(rows, 0, QUANTILES, "quantiles")
+        if stem != name:
+            need(is_whole(columns, 1, 1) and is_whole(rows, 0, QUANTILES), "its quantiles is wrong")
         else:
-            check_whole(columns, 1, 4, "width of an array")
-            check_whole(rows, header["vertex_count"], header["vertex_count"], "length of an array")
-    if not isinstance(header["counts"], dict):
-        raise ValueError("its counts are none")
-    for name, count in header["counts"].items():
-        check_whole(count, 0, header["vertex_count"], f"count of {name[:40]}")
+            need(is_whole(columns, 1, 4), "its width of an array is wrong")
+            need(is_whole(rows, count, count), "its length of an array is wrong")
+    need(isinstance(counts, dict), "its counts are none")
+    for name, number in counts.items():
+        need(is_whole(number, 0, count), f"its count of {name[:40]} is wrong")
 
 
-def check_whole(number: object, lowest: int, highest: int, what: str) -> None:
-    """Raises unless it is a whole number in this range."""
-    if type(number) is not int or not lowest <= number <= highest:
-        raise ValueError(f"its {what} is wrong")
+def need(fits: object, fault: str) -> None:
+    """Raises the fault unless the content fits."""
+    if not fits:
+        raise ValueError(fault)
+
+
+def is_whole(number: object, lowest: int, highest: int) -> bool:
+    """Whether it is a whole number in this range."""
+    return type(number) is int and lowest <= number <= highest
 
 
 def kept(folder: Path, frame: int, key: str, content: str) -> bool:
     """Whether this frame exists, is sound, and has this key and input."""
-    path = frame_path(folder, frame)
     try:
-        found = read_frame(path)
+        found = read_frame(frame_path(folder, frame))
     except ParadescError:
         return False
     return (found.key, found.input) == (key, content)
@@ -314,12 +293,10 @@ def settled_method(folder: Path, animation: str, own: str) -> str:
 def read_method(path: Path) -> str:
     """The method that another machine wrote to the file; waits a little if it is still being written."""
     for _ in range(METHOD_TRIES):
-        try:
+        with suppress(OSError, ValueError, TypeError, KeyError):
             method = json.loads(path.read_text(encoding="utf-8"))["method"]
             if method in METHODS.values():
                 return method
-        except (OSError, ValueError, TypeError, KeyError):
-            pass
         time.sleep(METHOD_WAIT)
     raise refused(f'The file "{path}" is damaged; remove it, and bake all frames again.')
 
@@ -339,11 +316,8 @@ def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict
             radii[name] = float(radius) if stored.is_number(radius) and 1e-30 < radius < 1e30 else 0.0
     found = {}
     for name, parts in pooled.items():
-        try:
-            row = job.registry_row(name)
-        except StopIteration:
-            continue  # coverage, or values that only a newer version knows
-        found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
+        with suppress(StopIteration):  # coverage, or values that only a newer version knows
+            found[name] = color_maps.value_range(pool(parts), job.registry_row(name), radii[name], look)
     return found
 
 
@@ -353,8 +327,7 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
     try:
         content = json.loads(path.read_text()) if path.is_file() else {}
         found = {str(name): (float(low), float(high)) for name, (low, high) in content.items()}
-        if not all(np.isfinite(pair).all() and pair[0] < pair[1] for pair in found.values()):
-            raise ValueError("a range is empty")
+        need(all(np.isfinite(pair).all() and pair[0] < pair[1] for pair in found.values()), "a range is empty")
     except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
         raise refused(f'The file "{path}" is damaged ({reason(error)}); give the range again.') from error
     return found
@@ -380,12 +353,10 @@ def ranges_over(
     frames = []
     for folder, key in places:
         for path in frames_in(folder).values():
-            try:
+            with suppress(ParadescError):  # a frame that is damaged is baked again by the next run
                 frame = read_frame(path)
-            except ParadescError:
-                continue  # the frame is damaged, and the next run bakes it again
-            if key in ("", frame.key):
-                frames.append(replace(frame, values={}))
+                if key in ("", frame.key):
+                    frames.append(replace(frame, values={}))
     found = ranges(frames, look)
     for folder, _ in places:
         fixed = read_fixed(folder)
