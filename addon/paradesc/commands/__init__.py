@@ -1,4 +1,4 @@
-"""The commands of the command line, one module each: add_command() declares the options, run() runs the command."""
+"""The commands of the command line, one module each: HELP, add_options() and run()."""
 
 from importlib import import_module
 from types import ModuleType

@@ -2,7 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..bridge import ProgressFunction
@@ -16,8 +16,6 @@ from .common import (
     Progress,
     UsageError,
     add_objects_options,
-    add_output_options,
-    check_outputs,
     print_notes,
 )
 from .look_options import fixed_range
@@ -27,15 +25,17 @@ from .preset_options import check_preset, notes_of_preset
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    animate = commands.add_parser("animate", help="compute descriptors at frames of an animation into a frame cache")
-    add_input(animate)
-    add_objects_options(animate)
-    add_source(animate, "deformed")
-    add_computation_options(animate)
-    add_map_options(animate)
-    add = animate.add_argument
+HELP = "compute descriptors at frames of an animation into a frame cache"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add_input(parser)
+    add_objects_options(parser)
+    add_source(parser, "deformed")
+    add_computation_options(parser)
+    add_map_options(parser)
+    add = parser.add_argument
     add("--frames", metavar="A:B[:STEP]", help="frames to compute (default: those of the scene, or all files)")
     add("--cache", metavar="FOLDER", type=Path,
         help="folder of the frames, one below it for each object (default: paradesc_cache by the input)")  # fmt: skip
@@ -44,8 +44,6 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
         help="values that the colors span in all frames (default: the range over all frames)")  # fmt: skip
     add("--force", action="store_true", help="compute existing frames again")
-    add_output_options(animate)
-    animate.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
@@ -55,7 +53,6 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     chosen = animate_files.parse_frames(arguments.frames)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
-    check_outputs([arguments.json] if arguments.json else [])
     source = animate_files.source_of_frames(arguments)
     notes = source.open()
     opened = source.picked()
@@ -68,7 +65,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     with Progress(arguments.progress) as progress:
         for index, target in enumerate(opened.objects):
             folder = cache.object_folder(root, target.name)
-            make_writable(folder)
+            make_folder(folder)
+            if not os.access(folder, os.W_OK):
+                raise cache.refused(f'The folder "{folder}" cannot be written.')
             request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
             with source.frame_baker(target, request) as baker:
                 part = job.part_of(progress, index, len(opened.objects))
@@ -97,25 +96,13 @@ def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction)
     """Bakes one frame after the other; returns those that had to be computed."""
     made = []
     for index, frame in enumerate(wanted):
-        part = part_of(progress, frame, index, len(wanted))
+        part = job.part_of(progress, index, len(wanted), f"frame {frame}: ")
         if not part("read", 0.0):
             raise KeyboardInterrupt
         task = baker.prepare(frame)
         if task is not None:
             made.append(baker.run(task, part))
     return made
-
-
-def part_of(progress: ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
-    """Turns the progress of one frame into that of all frames."""
-    return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
-
-
-def make_writable(folder: Path) -> None:
-    """Creates the folder, or raises why nothing can be written to it."""
-    make_folder(folder)
-    if not os.access(folder, os.W_OK):
-        raise cache.refused(f'The folder "{folder}" cannot be written.')
 
 
 def report_of(baker: Baker, wanted: Sequence[int], made: list[Done]) -> dict[str, object]:

@@ -3,11 +3,10 @@
 import argparse
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
-from ..core.color_maps import Look
 from ..core.face_centers import DOMAINS
 from ..files import preset_rules, results
 from . import images, pairs
@@ -16,7 +15,6 @@ from .common import (
     Progress,
     UsageError,
     add_objects_options,
-    add_output_options,
     check_overwriting,
     open_file,
     print_notes,
@@ -36,18 +34,20 @@ from .preset_options import check_preset, notes_of_preset
 from .sources import Source, Target, scene_source, source_of, world_matrix
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    bake = commands.add_parser("bake", help="compute descriptors and write them to files")
-    add_input(bake)
-    add_objects_options(bake)
-    add_source(bake, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
-    add_computation_options(bake)
-    add_map_options(bake)
-    pairs.add_pair_options(bake)
-    add_output_files(bake)
-    add_look_options(bake)
-    add = bake.add_argument
+HELP = "compute descriptors and write them to files"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add_input(parser)
+    add_objects_options(parser)
+    add_source(parser, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
+    add_computation_options(parser)
+    add_map_options(parser)
+    pairs.add_pair_options(parser)
+    add_output_files(parser)
+    add_look_options(parser)
+    add = parser.add_argument
     places = "measure at vertices (default), or at the middles of faces (.vtp, .vtk, .ply, .npz)"
     add("--domain", choices=DOMAINS, help=places)
     threshold = "corners have at least this share of the largest response (default: 0.05)"
@@ -57,8 +57,6 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--fail-over-undefined", type=float, metavar="SHARE",
         help="end with code 5 if a larger share of an object's vertices is undefined")  # fmt: skip
     add("--fail-on-warnings", action="store_true", help="end with code 5 if anything limits the results")
-    add_output_options(bake)
-    bake.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
@@ -74,7 +72,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     check_values(arguments, settings)
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
-    baked = (bake_onto if onto else bake_objects)(source, opened.objects, settings, arguments)
+    # Detailed objects of another file are removed at the end: no output has them.
+    with pairs.with_highs(source, opened.objects, arguments) if onto else nullcontext() as highs:
+        baked = bake_objects(source, opened.objects, settings, arguments, highs)
     computed = time.monotonic()
     if saves_scene(arguments):
         source.write(opened.objects, baked)
@@ -125,13 +125,14 @@ def bake_objects(
     targets: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
-    onto: dict[Target, list[Target]] | None = None,
+    onto: dict[Target, list[Target]] | None,
 ) -> list[results.Baked]:
     """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ.
 
     onto: the detailed objects that are measured in place of each.
     """
-    look = asked_look(arguments)
+    scene_look = scene_source(arguments).look() if arguments.scene_settings else None
+    look = look_of(arguments, preset_rules.look_of(arguments.preset_content, scene_look))
     if saves_scene(arguments):
         source.check_writable(targets)
     its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original" or onto
@@ -165,20 +166,6 @@ def bake_objects(
             baked.append(results.Baked(target.name, computed, arrays, matrix, notes, reading))
             of_mesh.setdefault(source.mesh_name(target), baked[-1])
     return baked
-
-
-def bake_onto(
-    source: Source, targets: list[Target], settings: job.Settings, arguments: argparse.Namespace
-) -> list[results.Baked]:
-    """Computes detailed objects for low-poly ones. Those of another file are removed at the end: no output has them."""
-    with pairs.with_highs(source, targets, arguments) as highs:
-        return bake_objects(source, targets, settings, arguments, highs)
-
-
-def asked_look(arguments: argparse.Namespace) -> Look:
-    """The look of the options. Missing ones come from --preset, else from --scene-settings."""
-    look = scene_source(arguments).look() if arguments.scene_settings else None
-    return look_of(arguments, preset_rules.look_of(arguments.preset_content, look))
 
 
 @contextmanager

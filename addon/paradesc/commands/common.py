@@ -85,9 +85,9 @@ def with_also(words: list[str]) -> list[str]:
     return found
 
 
-def check_outputs(paths: list[Path]) -> None:
+def check_outputs(paths: list[Path | None]) -> None:
     """Refuses outputs that cannot be written, before anything is computed; "-" is the standard output."""
-    for fault in [file_fault(path) for path in paths if str(path) != "-"]:
+    for fault in [file_fault(path) for path in paths if path and str(path) != "-"]:
         if fault:
             raise UsageError(fault)
 
@@ -139,18 +139,6 @@ def print_notes(sentences: list[str]) -> None:
         print(f"note: {sentence}")
 
 
-def write_line(stage: str, fraction: float) -> None:
-    """Writes the progress as one line of a log."""
-    sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
-    sys.stderr.flush()
-
-
-def write_openjd(stage: str, fraction: float) -> None:
-    """Writes the progress in the form that sessions of Open Job Description read."""
-    tell_openjd("progress", f"{100 * fraction:.1f}")
-    tell_openjd("status", stage)
-
-
 def tell_openjd(kind: str, text: str) -> None:
     """Writes one message of Open Job Description, even with --quiet, as its sessions read the standard output."""
     if sys.__stdout__ is not None:
@@ -167,7 +155,7 @@ class Progress(Signals):
 
     def __init__(self, mode: str = "auto") -> None:
         super().__init__()
-        self.line = {"lines": write_line, "openjd": write_openjd}.get(mode)
+        self.mode = mode
         self.shown = mode == "auto" and sys.stderr.isatty()
         self.time = 0.0
         self.last = -1.0
@@ -179,9 +167,14 @@ class Progress(Signals):
             self.time = now
             sys.stderr.write(f"\r\x1b[K{fraction:6.1%} {stage}")
             sys.stderr.flush()
-        if self.line is not None and (fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last):
-            self.last = fraction
-            self.line(stage, fraction)
+        is_due = fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last
+        if is_due and self.mode == "lines":
+            sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
+            sys.stderr.flush()
+        if is_due and self.mode == "openjd":
+            tell_openjd("progress", f"{100 * fraction:.1f}")
+            tell_openjd("status", stage)
+        self.last = fraction if is_due else self.last
         return self.stopped is None
 
     def __exit__(self, *error: object) -> None:

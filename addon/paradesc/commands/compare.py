@@ -3,14 +3,7 @@
 import argparse
 
 from ..core import compare
-from .common import (
-    Parser,
-    Progress,
-    UsageError,
-    add_output_options,
-    check_outputs,
-    print_notes,
-)
+from .common import Parser, Progress, UsageError, print_notes
 from .options import add_mesh_options, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
 from .sources import source_of
@@ -26,25 +19,24 @@ COLUMNS = (
 )
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
-    add_mesh_options(comparison)
-    comparison.add_argument(
+HELP = "compare a device's results with those of the reference"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add_mesh_options(parser)
+    parser.add_argument(
         "--fail-over-error",
         type=float,
         metavar="PERCENT",
         help="end with code 5 if a descriptor's mean error is larger",
     )
-    add_output_options(comparison)
-    comparison.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Computes on a device and on the reference, and prints the table of errors; returns the report."""
     if arguments.backend == "reference":
         raise UsageError("The reference is what compare compares with; choose another backend.")
-    check_outputs([arguments.json] if arguments.json else [])
     settings_of(arguments)
     check_preset(arguments.preset)
     source = source_of(arguments)

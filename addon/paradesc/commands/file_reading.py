@@ -67,12 +67,6 @@ def refused(what: str) -> Exception:
     return ParadescError(abi.STATUS_UNSUPPORTED, sentence)
 
 
-def open_files(arguments: argparse.Namespace) -> list[FileMesh]:
-    """The meshes of the input file."""
-    check_options(arguments)
-    return mesh_files.read(arguments.input)
-
-
 def check_options(arguments: argparse.Namespace) -> None:
     """Refuses options that need Blender, before any file is read."""
     for name, what in BY_BLENDER.items():

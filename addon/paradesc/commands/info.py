@@ -4,7 +4,7 @@ import argparse
 
 from .. import bridge
 from ..core import advice, uv_faults
-from .common import Parser, add_objects_options, add_output_options, check_outputs, print_notes
+from .common import Parser, add_objects_options, print_notes
 from .options import add_input
 from .sources import Subject, source_of
 
@@ -23,18 +23,17 @@ DEFECTS = {
 }
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    info = commands.add_parser("info", help="describe the meshes of a file, and the radius and buffer that suit them")
-    add_input(info)
-    add_objects_options(info)
-    add_output_options(info)
-    info.set_defaults(run=run)
+HELP = "describe the meshes of a file, and the radius and buffer that suit them"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add_input(parser)
+    add_objects_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints every mesh object, or those that --object names; returns their descriptions."""
-    check_outputs([arguments.json] if arguments.json else [])
     source = source_of(arguments)
     notes = source.open()
     shown = [source.subject(target) for target in source.described()]
@@ -55,7 +54,9 @@ def described(subject: Subject) -> dict[str, object]:
         with bridge.Context("reference") as context, context.mesh(arrays) as native:
             report = native.report()
             hint = advice.suggested(report, advice.texels_per_length(arrays))
-            memory = expected_memory(native, hint)
+            options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
+            # What a software rasterizer takes, which uses main memory.
+            memory = native.memory(["mean_curvature"], options, "software")
     except bridge.ParadescError as error:
         counts = {"vertices": subject.vertices, "faces": subject.faces}
         return {**subject.facts, "obstacle": error.sentence, **counts}
@@ -79,12 +80,6 @@ def described(subject: Subject) -> dict[str, object]:
         "suggested": hint,
         "memory": memory,
     }
-
-
-def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict[str, int]:
-    """The bytes that a bake at the suggested settings would take on a software rasterizer, which uses main memory."""
-    options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
-    return native.memory(["mean_curvature"], options, "software")
 
 
 def print_object(row: dict[str, object], unwraps: bool) -> None:

@@ -16,7 +16,7 @@ from ..files.paths import is_file, is_folder
 from ..files.results import folder_fault, make_folder, write_whole
 from . import assets, spreading
 from .assets import Done, Work
-from .common import Parser, Progress, UsageError, add_output_options, check_outputs, print_notes
+from .common import Parser, Progress, UsageError, print_notes
 from .options import add_computation_options, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
 
@@ -24,10 +24,12 @@ LISTING = "library.jsonl"
 PART = re.compile(r"(\d{1,7})/(\d{1,7})")
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    library = commands.add_parser("library", help="compute every asset of a folder, on one machine or many")
-    add = library.add_argument
+HELP = "compute every asset of a folder, on one machine or many"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add = parser.add_argument
     add("input", metavar="FOLDER", type=Path, help=f"with files of {', '.join(mesh_files.SUFFIXES)}, at any depth")
     add("--output", "-o", metavar="OUT", type=Path, required=True,
         help=f"folder of the results and of {LISTING}, a line for each asset")  # fmt: skip
@@ -41,9 +43,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--allow-failures", action="store_true",
         help="do not end with code 5 for assets that no machine can compute; their rows say why")  # fmt: skip
     add("--force", action="store_true", help="compute assets again that have results")
-    add_computation_options(library)
-    add_output_options(library)
-    library.set_defaults(run=run)
+    add_computation_options(parser)
 
 
 def part(text: str) -> tuple[int, int]:
@@ -110,7 +110,6 @@ def check(arguments: argparse.Namespace) -> None:
         )
     settings_of(arguments)
     check_preset(arguments.preset)
-    check_outputs([arguments.json] if arguments.json else [])
     if folder_fault(arguments.output):
         raise UsageError(folder_fault(arguments.output))
     for name in ("workers", "threads"):

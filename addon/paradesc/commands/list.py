@@ -4,21 +4,23 @@ import argparse
 
 from .. import bridge
 from ..core import devices
-from .common import Parser, add_output_options, check_outputs
+from .common import Parser
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    listing = commands.add_parser("list", help="list the descriptors and the devices")
-    add_output_options(listing)
-    listing.set_defaults(run=run)
+HELP = "list the descriptors and the devices"
+
+
+def add_options(_parser: Parser) -> None:
+    """The command has no options of its own."""
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints the registry and the devices; returns both."""
-    check_outputs([arguments.json] if arguments.json else [])
     rows = [describe(row) for row in bridge.descriptors()]
-    found = [describe_device(row) for row in devices.found()]
+    found = [
+        {"backend": row.backend, "index": None if row.index < 0 else row.index, "device": row.name, "missing": row.missing}
+        for row in devices.found()  # of which the only device of a backend needs no index
+    ]
     print("Descriptors")
     for row in rows:
         unit = f" [{row['unit']}]" if row["unit"] else ""
@@ -43,9 +45,3 @@ def describe(row: bridge.Descriptor) -> dict[str, object]:
         "signed": row.is_signed,
         "neutral": row.neutral_value,
     }
-
-
-def describe_device(row: devices.Device) -> dict[str, object]:
-    """Describes a device for the report; the only device of a backend needs no index."""
-    index = None if row.index < 0 else row.index
-    return {"backend": row.backend, "index": index, "device": row.name, "missing": row.missing}

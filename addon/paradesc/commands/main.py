@@ -19,6 +19,8 @@ from .common import (
     EXIT_USAGE,
     Parser,
     UsageError,
+    add_output_options,
+    check_outputs,
     exit_code,
     open_file,
     tell_openjd,
@@ -38,7 +40,10 @@ def make_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"paradesc {__version__}")
     found = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS), parser_class=Parser)
     for module in modules():
-        module.add_command(found)
+        command = found.add_parser(module.__name__.rpartition(".")[2], help=module.HELP)
+        module.add_options(command)
+        add_output_options(command)
+        command.set_defaults(run=module.run)
     return parser
 
 
@@ -61,6 +66,7 @@ def main(words: list[str]) -> int:
     try:
         with Signals(raises=True):
             with muted(arguments):
+                check_outputs([arguments.json])
                 content = arguments.run(arguments) or {}
             sentence = " ".join(content.get("failed_checks", []))
             code = EXIT_CHECK if sentence else EXIT_OK

@@ -3,10 +3,10 @@
 import argparse
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from . import file_reading
 from .common import BLENDER, BLENDER_PART
 
 Target = Any  # a FileMesh, or an object of Blender's scene
+Source = Any  # a FileSource, or the add-on's SceneSource
+Read = Any  # a FileRead, or the add-on's targets.Read
 UV_NAME = "UVMap"  # of the only UV map in a file whose format has no names for UV maps
 
 
@@ -43,59 +45,11 @@ class Subject:
     notes: list[str] = field(default_factory=list)
 
 
-class Read(Protocol):
-    """A mesh that was read: as it is, as it is measured, and for Blender where its results go."""
-
-    arrays: MeshArrays
-    measured: MeshArrays
-    notes: list[str]
-    reading: Any
-
-
-class Source(Protocol):
-    """The calls that commands make of any input. SceneSource has more: for files, what only Blender does is refused."""
-
-    unwraps: bool
-
-    def open(self) -> list[str]:
-        """Opens the input; returns notes about it."""
-
-    def one(self, name: str | None) -> Target:
-        """The object of this name; without one, the object that stands out."""
-
-    def picked(self) -> Opened:
-        """The objects to work on: --all of them, those that --object names, or the one that stands out."""
-
-    def everything(self) -> list[Target]:
-        """All mesh objects."""
-
-    def described(self) -> list[Target]:
-        """The objects to describe: those that --object names, or all that are shapes of their own."""
-
-    def detailed(self) -> AbstractContextManager[list[Target]]:
-        """The objects among which detailed ones are looked for; those of --from-file are there until the end."""
-
-    def named(self, there: list[Target], names: list[str]) -> list[Target]:
-        """The objects of these names, each once."""
-
-    def has_faces(self, target: Target) -> bool:
-        """Whether the object has faces."""
-
-    def mesh_name(self, target: Target) -> str:
-        """The name of the object's mesh; objects that share a mesh have the same."""
-
-    def subject(self, target: Target) -> Subject:
-        """The object as something to describe."""
-
-    def read(self, target: Target, settings: job.Settings) -> Read:
-        """Reads the object's mesh as the options ask; the mesh stays as it is."""
-
-    def read_high(self, target: Target, settings: job.Settings) -> Read:
-        """Reads a detailed object. It is measured at its vertices and needs no UV map."""
-
-
 class FileSource:
-    """The meshes of a file that Paradesc itself reads; SceneSource has the same methods for Blender's scene."""
+    """The meshes of a file that Paradesc itself reads.
+
+    SceneSource has the same methods for Blender's scene, and more: for files, what only Blender does is refused.
+    """
 
     unwraps = False
 
@@ -104,11 +58,12 @@ class FileSource:
 
     def open(self) -> list[str]:
         """Reads the file."""
-        self.meshes = file_reading.open_files(self.arguments)
+        file_reading.check_options(self.arguments)
+        self.meshes = mesh_files.read(self.arguments.input)
         return []
 
     def one(self, name: str | None) -> FileMesh:
-        """The mesh of this name, or the largest."""
+        """The mesh of this name; without one, the object that stands out, which is the largest."""
         return file_reading.chosen(self.meshes, [] if name is None else [name])[0]
 
     def picked(self) -> Opened:
@@ -132,7 +87,7 @@ class FileSource:
         yield self.meshes if other is None else mesh_files.read(other)
 
     def named(self, there: list[FileMesh], names: list[str]) -> list[FileMesh]:
-        """The meshes of these names."""
+        """The meshes of these names, each once."""
         return file_reading.chosen(there, names)
 
     def has_faces(self, _mesh: FileMesh) -> bool:
@@ -140,15 +95,15 @@ class FileSource:
         return True
 
     def mesh_name(self, mesh: FileMesh) -> str:
-        """The mesh is the object."""
+        """The name of the object's mesh, which objects may share; of files, the mesh is the object."""
         return mesh.name
 
     def read(self, mesh: FileMesh, settings: job.Settings) -> file_reading.FileRead:
-        """Reads the mesh with the images that the options name."""
+        """Reads the mesh as the options ask; the mesh stays as it is."""
         return file_reading.read_mesh(mesh, settings, self.arguments)
 
     def read_high(self, mesh: FileMesh, settings: job.Settings) -> file_reading.FileRead:
-        """Reads the mesh for values at its vertices."""
+        """Reads a detailed mesh. It is measured at its vertices and needs no UV map."""
         settings = replace(settings, options=replace(settings.options, evaluate="vertex"))
         return file_reading.read_mesh(mesh, settings, self.arguments, has_images=False)
 

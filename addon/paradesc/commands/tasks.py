@@ -17,7 +17,7 @@ from ..bridge import ParadescError
 from ..files import cache, results
 from ..files.results import folder_fault, write_whole
 from . import animate_files, assets, bundles, library
-from .common import Parser, UsageError, add_output_options, check_outputs, has_blender
+from .common import Parser, UsageError, check_outputs, has_blender
 from .options import opened_settings, settings_of
 
 DIVIDED = ("animate", "library")
@@ -38,14 +38,14 @@ class Listed:
     notes: list[str] = field(default_factory=list)
 
 
-def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
-    """The command and its options."""
-    tasks = commands.add_parser("tasks", help="list the tasks of animate or library, for render farms")
-    add_own_options(tasks)
-    add_output_options(tasks)
+HELP = "list the tasks of animate or library, for render farms"
+
+
+def add_options(parser: Parser) -> None:
+    """The command's options."""
+    add_own_options(parser)
     help_text = "animate or library, its input, and its options, as that command takes them"
-    tasks.add_argument("words", nargs=argparse.REMAINDER, metavar="COMMAND ...", help=help_text)
-    tasks.set_defaults(run=run)
+    parser.add_argument("words", nargs=argparse.REMAINDER, metavar="COMMAND ...", help=help_text)
 
 
 def add_own_options(parser: argparse.ArgumentParser) -> None:
@@ -69,10 +69,11 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         written += bundles.write_job_types(arguments.flamenco)
     listed = Listed([], {})
     if words:
-        parsed = parsed_words(words)
-        listed = tasks_of(words, parsed, arguments)
+        parsed, program = parsed_words(words), shlex.split(arguments.program or "paradesc")
+        start = [*program, *bundles.without_options(words, OURS[words[0]])[0]]
+        listed = (frames_of if words[0] == "animate" else assets_of)(start, parsed, arguments)
         if arguments.bundle is not None:
-            values = bundles.values_of(words[2:], listed.parameters, program_of(arguments))
+            values = bundles.values_of(words[2:], listed.parameters, program)
             kind = "animation" if words[0] == "animate" else "library"
             written += bundles.write_bundle(arguments.bundle, kind, values)
         else:
@@ -113,7 +114,7 @@ def check(arguments: argparse.Namespace, words: list[str]) -> None:
             raise UsageError(f"Every task would have the same {word.partition('=')[0]}; leave it out.")
     if arguments.chunk is not None and arguments.chunk < 1:
         raise UsageError(f"--chunk is {arguments.chunk}; it must be at least 1.")
-    check_outputs([path for path in (arguments.json, arguments.list) if path])
+    check_outputs([arguments.list])
     for folder in filter(None, (arguments.bundle, arguments.flamenco)):
         if folder_fault(folder):
             raise UsageError(folder_fault(folder))
@@ -128,20 +129,6 @@ def parsed_words(words: list[str]) -> argparse.Namespace:
         raise UsageError(f'There is no option "{unknown[0]}"; see paradesc {words[0]} --help.')
     settings_of(parsed)
     return parsed
-
-
-def tasks_of(words: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
-    """The tasks of either command."""
-    rest, _ = bundles.without_options(words, OURS[words[0]])
-    start = [*program_of(arguments), *rest]
-    if words[0] == "animate":
-        return frames_of(start, parsed, arguments)
-    return assets_of(start, parsed, arguments)
-
-
-def program_of(arguments: argparse.Namespace) -> list[str]:
-    """The words with which each task's command begins."""
-    return shlex.split(arguments.program or "paradesc")
 
 
 def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:

@@ -126,17 +126,10 @@ def compare(
     arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None = None
 ) -> tuple[list[dict[str, object]], job.Results, job.Results]:
     """Rows of errors, one for each descriptor, and the two results that they compare."""
-    device = job.run(arrays, settings, staged(progress, "device", 0.0))
+    device = job.run(arrays, settings, job.part_of(progress, 0, 2, "device, "))
     if device.backend == "reference":
         raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, "There is no device to compare with the reference.")
     reference_settings = replace(device.settings, backend="reference", device_index=-1)
-    reference = job.run(arrays, reference_settings, staged(progress, "reference", 0.5))
+    reference = job.run(arrays, reference_settings, job.part_of(progress, 1, 2, "reference, "))
     rows = [row(name, device, reference) for name in device.values]
     return rows, device, reference
-
-
-def staged(progress: bridge.ProgressFunction | None, name: str, start: float) -> bridge.ProgressFunction | None:
-    """Turns the progress of one half of the work into that of the whole."""
-    if progress is None:
-        return None
-    return lambda stage, fraction: progress(f"{name}, {stage}", start + fraction / 2)

@@ -407,11 +407,11 @@ def run_radii(
     return results
 
 
-def part_of(progress: ProgressFunction | None, index: int, count: int) -> ProgressFunction | None:
-    """Turns the progress of one of several equal parts into that of the whole."""
+def part_of(progress: ProgressFunction | None, index: int, count: int, named: str = "") -> ProgressFunction | None:
+    """Turns the progress of one of several equal parts into that of the whole; named: before the names of its stages."""
     if progress is None:
         return None
-    return lambda stage, fraction: progress(stage, (index + fraction) / count)
+    return lambda stage, fraction: progress(named + stage, (index + fraction) / count)
 
 
 def span_of(progress: ProgressFunction | None, first: float, last: float) -> ProgressFunction | None:
