@@ -398,7 +398,7 @@ class Mesh:
         from .numpy_api import work
 
         triangles = stream.arrays.triangle_corners
-        if len(triangles) != len(self._polygons.starts) - 1:
+        if len(triangles) != len(self._polygons.sizes):
             triangles = work.triangle_corners(self._polygons, self._points)
         moved = replace(stream.arrays, positions=self._near, triangle_corners=triangles)
         if not np.array_equal(triangles, stream.arrays.triangle_corners):

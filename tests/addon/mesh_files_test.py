@@ -178,7 +178,7 @@ def area(points, triangles):
 def test_triangles_cover_a_polygon_once(outline, turned):
     points = np.array([(*point, 0.0) for point in (outline[::-1] if turned else outline)], np.float32)
     around = np.arange(len(points), dtype=np.int32)
-    triangles = polygons.PolygonMesh(points, around, np.array([len(points)])).arrays().triangle_corners
+    triangles = polygons.PolygonMesh(points, around, np.array([len(points)])).arrays.triangle_corners
     flat = points[:, :2]
     whole = (flat[:, 0] * np.roll(flat[:, 1], -1) - flat[:, 1] * np.roll(flat[:, 0], -1)).sum() / 2
     areas = area(points, triangles)
@@ -190,7 +190,7 @@ def test_triangles_cover_a_polygon_once(outline, turned):
 def test_faces_without_area_or_corners_do_not_shift_the_others():
     points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], np.float32)
     corners = np.array([0, 1, 0, 1, 2, 0, 1, 2, 3, 1, 1, 1, 1, 1], np.int32)
-    triangles = polygons.PolygonMesh(points, corners, np.array([2, 3, 4, 0, 5])).arrays().triangle_corners
+    triangles = polygons.PolygonMesh(points, corners, np.array([2, 3, 4, 0, 5])).arrays.triangle_corners
     assert triangles[:3].tolist() == [[2, 3, 4], [5, 6, 7], [5, 7, 8]]
     assert triangles.shape == (6, 3)
     assert set(triangles[3:].ravel()) == {9, 10, 11, 12, 13}
@@ -198,4 +198,4 @@ def test_faces_without_area_or_corners_do_not_shift_the_others():
 
 def test_a_polygon_that_crosses_itself_still_has_all_triangles():
     points = np.array([(0, 0, 0), (2, 2, 0), (2, 0, 0), (0, 2, 0), (1, 3, 0)], np.float32)
-    assert polygons.PolygonMesh(points, np.arange(5), np.array([5])).arrays().triangle_corners.shape == (3, 3)
+    assert polygons.PolygonMesh(points, np.arange(5), np.array([5])).arrays.triangle_corners.shape == (3, 3)

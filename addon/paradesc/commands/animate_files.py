@@ -13,11 +13,11 @@ import numpy as np
 from ..bridge import InputError, MeshArrays, ParadescError, SurfaceMaps
 from ..core import job
 from ..core.digests import digest
+from ..core.polygons import PolygonMesh
 from ..core.stream import TOPOLOGY, same_topology
 from ..files import cache, mesh_files, sequences
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
 from ..files.map_images import MapChoice
-from ..files.mesh_files import FileMesh
 from ..files.paths import is_folder
 from . import file_reading
 from .common import UsageError
@@ -35,11 +35,11 @@ class MeshSequence:
     selector: str | None  # the mesh's name in each file; None: the largest
 
     @cached_property
-    def first(self) -> FileMesh:
+    def first(self) -> PolygonMesh:
         """The mesh of the first file."""
         return self.mesh_at(next(iter(self.files)))
 
-    def mesh_at(self, frame: int) -> FileMesh:
+    def mesh_at(self, frame: int) -> PolygonMesh:
         """The mesh of a frame."""
         names = [] if self.selector is None else [self.selector]
         return file_reading.chosen(mesh_files.read(self.files[frame]), names)[0]

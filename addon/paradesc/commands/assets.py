@@ -19,6 +19,7 @@ from .. import __version__
 from ..bridge import InputError, ParadescError, ProgressFunction, abi
 from ..core import job
 from ..core.distributions import distribution
+from ..core.polygons import PolygonMesh
 from ..files import mesh_files, results
 from ..files.gltf_file import buffer_path
 from ..files.paths import is_file
@@ -184,7 +185,7 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
     }
 
 
-def bake(mesh: mesh_files.FileMesh, settings: job.Settings, progress: ProgressFunction | None) -> Baked:
+def bake(mesh: PolygonMesh, settings: job.Settings, progress: ProgressFunction | None) -> Baked:
     """Computes one mesh of a file as paradesc bake does without Blender."""
     read = read_mesh(mesh, settings, argparse.Namespace())
     found = job.run(read.measured, settings, progress)

@@ -33,7 +33,6 @@ from .outputs import add_output_files, check_files, check_values, files_of, writ
 from .preset_options import check_preset, notes_of_preset
 from .sources import Source, Target, scene_source, source_of, world_matrix
 
-
 HELP = "compute descriptors and write them to files"
 
 

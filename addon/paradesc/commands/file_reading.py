@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from .. import bridge
 from ..bridge import InputError, ParadescError, abi
 from ..core import job, spaces, tangents, uv_faults
+from ..core.polygons import PolygonMesh
 from ..files import map_images, mesh_files
 from ..files.map_images import MapChoice
-from ..files.mesh_files import FileMesh
 from ..files.paths import is_file
 from .common import UsageError, has_blender, lacking, saves_scene
 from .images import paths_of
@@ -79,7 +79,7 @@ def check_options(arguments: argparse.Namespace) -> None:
         raise refused("A .blend is written by Blender")
 
 
-def chosen(meshes: list[FileMesh], names: list[str]) -> list[FileMesh]:
+def chosen(meshes: list[PolygonMesh], names: list[str]) -> list[PolygonMesh]:
     """The meshes of these names, each once; without names the one with the most vertices."""
     if not names:
         return [max(meshes, key=lambda mesh: len(mesh.arrays.positions))]
@@ -92,7 +92,7 @@ def chosen(meshes: list[FileMesh], names: list[str]) -> list[FileMesh]:
 
 
 def read_mesh(
-    mesh: FileMesh,
+    mesh: PolygonMesh,
     settings: job.Settings,
     arguments: argparse.Namespace,
     has_images: bool = True,
@@ -136,7 +136,7 @@ def map_sources(arguments: argparse.Namespace) -> MapChoice:
     )
 
 
-def add_maps(mesh: FileMesh, arrays: bridge.MeshArrays, uv_fault: str, choice: MapChoice) -> list[str]:
+def add_maps(mesh: PolygonMesh, arrays: bridge.MeshArrays, uv_fault: str, choice: MapChoice) -> list[str]:
     """Adds the maps, and the mesh data that they need, to the arrays; returns a note about each map."""
     if not choice.any:
         return []

@@ -6,7 +6,6 @@ from .. import bridge
 from ..core import devices
 from .common import Parser
 
-
 HELP = "list the descriptors and the devices"
 
 

@@ -12,13 +12,13 @@ import numpy as np
 
 from ..bridge import MeshArrays
 from ..core import job, uv_faults
+from ..core.polygons import PolygonMesh
 from ..core.standard_streams import quiet
 from ..files import mesh_files
-from ..files.mesh_files import FileMesh
 from . import file_reading
 from .common import BLENDER, BLENDER_PART
 
-Target = Any  # a FileMesh, or an object of Blender's scene
+Target = Any  # a PolygonMesh, or an object of Blender's scene
 Source = Any  # a FileSource, or the add-on's SceneSource
 Read = Any  # a FileRead, or the add-on's targets.Read
 UV_NAME = "UVMap"  # of the only UV map in a file whose format has no names for UV maps
@@ -62,7 +62,7 @@ class FileSource:
         self.meshes = mesh_files.read(self.arguments.input)
         return []
 
-    def one(self, name: str | None) -> FileMesh:
+    def one(self, name: str | None) -> PolygonMesh:
         """The mesh of this name; without one, the object that stands out, which is the largest."""
         return file_reading.chosen(self.meshes, [] if name is None else [name])[0]
 
@@ -71,43 +71,43 @@ class FileSource:
         names = self.arguments.object
         return Opened(self.meshes if self.arguments.all else file_reading.chosen(self.meshes, names))
 
-    def everything(self) -> list[FileMesh]:
+    def everything(self) -> list[PolygonMesh]:
         """All meshes of the file."""
         return self.meshes
 
-    def described(self) -> list[FileMesh]:
+    def described(self) -> list[PolygonMesh]:
         """All meshes, or those that --object names."""
         names = self.arguments.object
         return file_reading.chosen(self.meshes, names) if names else self.meshes
 
     @contextmanager
-    def detailed(self) -> Iterator[list[FileMesh]]:
+    def detailed(self) -> Iterator[list[PolygonMesh]]:
         """The meshes of --from-file, or of the input."""
         other = self.arguments.from_file
         yield self.meshes if other is None else mesh_files.read(other)
 
-    def named(self, there: list[FileMesh], names: list[str]) -> list[FileMesh]:
+    def named(self, there: list[PolygonMesh], names: list[str]) -> list[PolygonMesh]:
         """The meshes of these names, each once."""
         return file_reading.chosen(there, names)
 
-    def has_faces(self, _mesh: FileMesh) -> bool:
+    def has_faces(self, _mesh: PolygonMesh) -> bool:
         """Meshes of files always have some."""
         return True
 
-    def mesh_name(self, mesh: FileMesh) -> str:
+    def mesh_name(self, mesh: PolygonMesh) -> str:
         """The name of the object's mesh, which objects may share; of files, the mesh is the object."""
         return mesh.name
 
-    def read(self, mesh: FileMesh, settings: job.Settings) -> file_reading.FileRead:
+    def read(self, mesh: PolygonMesh, settings: job.Settings) -> file_reading.FileRead:
         """Reads the mesh as the options ask; the mesh stays as it is."""
         return file_reading.read_mesh(mesh, settings, self.arguments)
 
-    def read_high(self, mesh: FileMesh, settings: job.Settings) -> file_reading.FileRead:
+    def read_high(self, mesh: PolygonMesh, settings: job.Settings) -> file_reading.FileRead:
         """Reads a detailed mesh. It is measured at its vertices and needs no UV map."""
         settings = replace(settings, options=replace(settings.options, evaluate="vertex"))
         return file_reading.read_mesh(mesh, settings, self.arguments, has_images=False)
 
-    def subject(self, mesh: FileMesh) -> Subject:
+    def subject(self, mesh: PolygonMesh) -> Subject:
         """A mesh has only its shape; formats with one UV map do not name it."""
         arrays, uvs = mesh.arrays, mesh.arrays.corner_uvs
         facts: dict[str, object] = {

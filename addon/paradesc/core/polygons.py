@@ -5,6 +5,7 @@ stays connected. All polygons with the same number of corners are cut together.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -19,15 +20,35 @@ BLOCK = 1 << 14
 
 @dataclass
 class Polygons:
-    """The faces of a mesh; the corners of face i are those from starts[i] to starts[i + 1]."""
+    """The faces of a mesh, whose corners follow each other."""
 
     corner_vertices: np.ndarray  # (corner_count,) int32
-    starts: np.ndarray  # (face_count + 1,) int64
+    sizes: np.ndarray  # (face_count,) int64 numbers of corners
+
+
+@dataclass(eq=False)
+class PolygonMesh:
+    """A mesh of polygons as files hold it, whose corners follow each other."""
+
+    positions: np.ndarray  # (vertex_count, 3) float32, or float64 where it lies far from the origin
+    corner_vertices: np.ndarray  # (corner_count,) int32
+    sizes: np.ndarray  # (face_count,) int64 corners of each face
+    corner_uvs: np.ndarray | None = None  # (corner_count, 2) float32
+    corner_normals: np.ndarray | None = None  # (corner_count, 3) float32 unit, the file's own
+    notes: list[str] = field(default_factory=list)  # what was done to it, and parts of the file that were left out
+    name: str = ""
+    matrix_world: np.ndarray = field(default_factory=lambda: np.eye(4))  # (4, 4) float64
 
     @property
-    def sizes(self) -> np.ndarray:
-        """(face_count,) int64 numbers of corners"""
-        return np.diff(self.starts)
+    def face_count(self) -> int:
+        """The number of faces, with polygons."""
+        return len(self.sizes)
+
+    @cached_property
+    def arrays(self) -> MeshArrays:
+        """The mesh as triangles, which keep its vertices and corners; without its normals."""
+        triangles = triangle_corners(self, self.positions.astype(np.float64))
+        return MeshArrays(self.positions, self.corner_vertices, triangles, self.corner_uvs)
 
 
 def vertices_at(corners: np.ndarray, vertex_count: int) -> np.ndarray:
@@ -40,26 +61,20 @@ def vertices_at(corners: np.ndarray, vertex_count: int) -> np.ndarray:
     return corners.astype(np.int64)
 
 
-@dataclass
-class PolygonMesh:
-    """A mesh of polygons as files hold it, whose corners follow each other."""
-
-    positions: np.ndarray  # (vertex_count, 3) float32, or float64 where it lies far from the origin
-    corner_vertices: np.ndarray  # (corner_count,) int32
-    sizes: np.ndarray  # (face_count,) int64 corners of each face
-    corner_uvs: np.ndarray | None = None  # (corner_count, 2) float32
-    corner_normals: np.ndarray | None = None  # (corner_count, 3) float32 unit
-    notes: list[str] = field(default_factory=list)  # parts of the file that were left out
-
-    def arrays(self) -> MeshArrays:
-        """The mesh as triangles, which keep its vertices and corners; without its normals."""
-        starts = np.concatenate([[0], np.cumsum(self.sizes)]).astype(np.int64)
-        faces = Polygons(self.corner_vertices, starts)
-        triangles = triangle_corners(faces, self.positions.astype(np.float64))
-        return MeshArrays(self.positions, self.corner_vertices, triangles, self.corner_uvs)
+def listed_polygons(table: np.ndarray) -> Polygons | None:
+    """The faces of VTK's list (n,) int64, in which the size of each stands before it; None if it ends within one."""
+    size = int(table[0]) if len(table) else 0
+    if size > 0 and len(table) % (size + 1) == 0 and (table[:: size + 1] == size).all():
+        rows = table.reshape(-1, size + 1)
+        return Polygons(rows[:, 1:].reshape(-1), np.full(len(rows), size, np.int64))
+    heads, at, listed = [], 0, table.tolist()
+    while at < len(listed) and listed[at] >= 0:
+        heads.append(at)
+        at += listed[at] + 1
+    return Polygons(np.delete(table, heads), table[heads]) if at == len(listed) else None
 
 
-def triangle_corners(polygons: Polygons, points: np.ndarray) -> np.ndarray:
+def triangle_corners(polygons: Polygons | PolygonMesh, points: np.ndarray) -> np.ndarray:
     """(triangle_count, 3) int32 corners of the triangles of polygons on (n, 3) float64 points, face after face.
 
     Faces of fewer than three corners have no triangle.
@@ -67,6 +82,7 @@ def triangle_corners(polygons: Polygons, points: np.ndarray) -> np.ndarray:
     sizes = polygons.sizes
     if (sizes == 3).all():
         return np.arange(3 * len(sizes), dtype=np.int32).reshape(-1, 3)
+    starts = np.cumsum(sizes) - sizes
     first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])
     triangles = np.empty((first[-1], 3), np.int32)
     for size in np.unique(sizes[sizes > 2]):
@@ -74,7 +90,7 @@ def triangle_corners(polygons: Polygons, points: np.ndarray) -> np.ndarray:
         step = max(1, BLOCK // int(size))
         for begin in range(0, len(alike), step):
             faces = alike[begin : begin + step]
-            corners = polygons.starts[faces][:, None] + np.arange(size)
+            corners = starts[faces][:, None] + np.arange(size)
             local = cut(points[polygons.corner_vertices[corners]])
             places = first[faces][:, None] + np.arange(size - 2)
             triangles[places] = np.take_along_axis(corners[:, None, :], local, axis=2)

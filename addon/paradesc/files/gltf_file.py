@@ -8,7 +8,7 @@ import base64
 import json
 import re
 import struct
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,8 +96,8 @@ class Document:
         return values
 
 
-def read(path: Path) -> list[tuple[str, PolygonMesh, np.ndarray]]:
-    """Name, mesh and (4, 4) place of each node with triangles; raises ValueError if the file is damaged."""
+def read(path: Path) -> list[PolygonMesh]:
+    """The mesh of each node with triangles; raises ValueError if the file is damaged."""
     try:
         document = opened(path)
         header = document.header
@@ -111,9 +111,10 @@ def read(path: Path) -> list[tuple[str, PolygonMesh, np.ndarray]]:
         shared = shared_tables(meshes)
         parts = {mesh: part_of(document, mesh, shared) for mesh in dict.fromkeys(mesh for _, mesh, _ in found)}
         return [
-            (str(nodes[node].get("name") or meshes[mesh].get("name") or f"node {node}"), parts[mesh], place)
+            replace(parts[mesh], name=str(nodes[node].get("name") or meshes[mesh].get("name") or f"node {node}"),
+                    matrix_world=place)
             for node, mesh, place in found
-        ]
+        ]  # fmt: skip
     except (KeyError, IndexError, TypeError, AttributeError, OverflowError, struct.error, RecursionError) as error:
         raise ValueError(f"its header is damaged ({type(error).__name__}: {error})") from error
 

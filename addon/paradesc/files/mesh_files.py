@@ -5,12 +5,11 @@ have no vertices in common, are welded.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from ..bridge import InputError, MeshArrays, ParadescError, origin
+from ..bridge import InputError, ParadescError, origin
 from ..core.polygons import PolygonMesh
 from . import (
     gltf_file,
@@ -28,32 +27,23 @@ from .paths import is_file
 
 BLENDER_LACKS = (".off", ".vtp", ".vtk", ".gii", *neuro_files.SURFACES)
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", *BLENDER_LACKS)
-# A mesh in a file: its name, the mesh, and its (4, 4) transform to the world.
-Found = tuple[str, PolygonMesh, np.ndarray]
 
-
-@dataclass(eq=False)
-class FileMesh:
-    """A mesh of a file, as triangles."""
-
-    name: str
-    arrays: MeshArrays
-    matrix_world: np.ndarray  # (4, 4) float64
-    corner_normals: np.ndarray | None = None  # (corner_count, 3) float32, the file's own; not in the arrays
-    face_count: int = 0  # with polygons
-    notes: list[str] = field(default_factory=list)  # what was done to it
-
-
-def read(path: Path) -> list[FileMesh]:
+def read(path: Path) -> list[PolygonMesh]:
     """Reads the meshes of a file that have faces, each with a unique name; raises InputError with one sentence."""
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f'"{path}" is none of {", ".join(SUFFIXES)}.')
-    found = [triangulated(one) for one in polygon_meshes(path)]
-    found = [mesh for mesh in found if len(mesh.arrays.triangle_corners)]
+    found = [mesh for mesh in polygon_meshes(path) if len(mesh.arrays.triangle_corners)]
     if not found:
         raise InputError(f'"{path}" has no faces; there is no surface to measure.')
-    return with_own_names(found)
+    taken: set[str] = set()
+    for mesh in found:
+        stem, number = mesh.name, 0
+        while mesh.name in taken:
+            number += 1
+            mesh.name = f"{stem}.{number:03}"
+        taken.add(mesh.name)
+    return found
 
 
 def check(path: Path) -> int:
@@ -64,7 +54,7 @@ def check(path: Path) -> int:
     if path.suffix.lower() not in SUFFIXES:
         return 0
     try:
-        return sum(sound_faces(mesh) for _, mesh, _ in polygon_meshes(path))
+        return sum(map(sound_faces, polygon_meshes(path)))
     except InputError as error:
         if isinstance(error.__cause__, UnknownError):
             return 0
@@ -82,7 +72,7 @@ def sound_faces(mesh: PolygonMesh) -> int:
     return count
 
 
-def polygon_meshes(path: Path) -> list[Found]:
+def polygon_meshes(path: Path) -> list[PolygonMesh]:
     """The meshes of a file, with or without faces; raises InputError with one sentence."""
     suffix = path.suffix.lower()
     if not is_file(path):
@@ -93,8 +83,10 @@ def polygon_meshes(path: Path) -> list[Found]:
         if fault:
             raise ValueError(fault)
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused below
-            found = READERS[suffix](path)
-            for _, mesh, _ in found:
+            read = READERS[suffix](path)
+            found = read if isinstance(read, list) else [read] if read else []
+            for mesh in found:
+                mesh.name = mesh.name or path.stem
                 origin.check_finite(mesh.positions)
     except MemoryError as error:
         raise InputError(f'"{path}" cannot be read: there is not enough memory for it.') from error
@@ -107,48 +99,16 @@ def polygon_meshes(path: Path) -> list[Found]:
     return found
 
 
-def with_own_names(meshes: list[FileMesh]) -> list[FileMesh]:
-    """Makes names unique by appended numbers."""
-    taken: set[str] = set()
-    for mesh in meshes:
-        stem, number = mesh.name, 0
-        while mesh.name in taken:
-            number += 1
-            mesh.name = f"{stem}.{number:03}"
-        taken.add(mesh.name)
-    return meshes
-
-
-def triangulated(found: Found) -> FileMesh:
-    """A mesh of polygons as triangles."""
-    name, mesh, place = found
-    return FileMesh(name, mesh.arrays(), place, mesh.corner_normals, len(mesh.sizes), mesh.notes)
-
-
-def of_one(reader: Callable[[Path], PolygonMesh | None]) -> Callable[[Path], list[Found]]:
-    """A reader of files with a single mesh. It has the name of the file, and no transform."""
-
-    def read(path: Path) -> list[Found]:
-        mesh = reader(path)
-        return [] if mesh is None else [(path.stem, mesh, np.eye(4))]
-
-    return read
-
-
-def read_obj(path: Path) -> list[Found]:
-    """The objects of a Wavefront file."""
-    return [(name or path.stem, mesh, np.eye(4)) for name, mesh in obj_file.read(path)]
-
-
-READERS: dict[str, Callable[[Path], list[Found]]] = {
-    ".obj": read_obj,
-    ".ply": of_one(ply_file.read),
-    ".stl": of_one(stl_file.read),
-    ".off": of_one(off_file.read),
+# Each gives the meshes of a file: a list, or the only one, or None.
+READERS: dict[str, Callable[[Path], list[PolygonMesh] | PolygonMesh | None]] = {
+    ".obj": obj_file.read,
+    ".ply": ply_file.read,
+    ".stl": stl_file.read,
+    ".off": off_file.read,
     ".glb": gltf_file.read,
     ".gltf": gltf_file.read,
-    ".vtp": of_one(vtp_file.read),
-    ".vtk": of_one(vtk_legacy_file.read),
-    ".gii": of_one(neuro_files.read_gifti),
-    **dict.fromkeys(neuro_files.SURFACES, of_one(neuro_files.read_freesurfer)),
+    ".vtp": vtp_file.read,
+    ".vtk": vtk_legacy_file.read,
+    ".gii": neuro_files.read_gifti,
+    **dict.fromkeys(neuro_files.SURFACES, neuro_files.read_freesurfer),
 }

@@ -40,7 +40,7 @@ class LineError(Exception):
         self.word, self.place, self.why = word, int(place), why
 
 
-def read(path: Path) -> list[tuple[str, PolygonMesh]]:
+def read(path: Path) -> list[PolygonMesh]:
     """The objects with faces, each with its name, "" where it has none; raises ValueError if the file is damaged."""
     found = lines_of(plain(path.read_bytes()).replace(b"\\\n", b" ").replace(b"\t", b" "))
     if not found.faces:
@@ -55,7 +55,7 @@ def read(path: Path) -> list[tuple[str, PolygonMesh]]:
     notes: list[str] = []
     uvs = texture_vertices(found.uvs, corners[:, 1], notes)
     normals = normals_of(found.normals, corners[:, 2], notes)
-    return [(name, polygons(part, uvs, normals, notes)) for name, part in parts(found, points, corners - 1, sizes)]
+    return [polygons(name, part, uvs, normals, notes) for name, part in parts(found, points, corners - 1, sizes)]
 
 
 def lines_of(content: bytes) -> Lines:
@@ -222,6 +222,7 @@ def parts(
 
 
 def polygons(
+    name: str,
     part: tuple[np.ndarray, np.ndarray, np.ndarray],
     uvs: np.ndarray | None,
     normals: np.ndarray | None,
@@ -229,7 +230,7 @@ def polygons(
 ) -> PolygonMesh:
     """The polygons of an object; corners without a texture vertex lie at 0. Normals count if all corners have one."""
     positions, corners, sizes = part
-    mesh = PolygonMesh(positions, corners[:, 0].astype(np.int32), sizes, notes=list(notes))
+    mesh = PolygonMesh(positions, corners[:, 0].astype(np.int32), sizes, notes=list(notes), name=name)
     if uvs is not None and (corners[:, 1] >= 0).any():
         mesh.corner_uvs = np.where(corners[:, 1:2] >= 0, uvs[corners[:, 1]], np.float32(0))
     if normals is not None and len(corners) and (corners[:, 2] >= 0).all():

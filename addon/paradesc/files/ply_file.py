@@ -8,7 +8,7 @@ import numpy as np
 
 from ..bridge import origin
 from ..core.polygons import PolygonMesh, vertices_at
-from .strips import triangles_of_strips
+from .strips import triangles_of
 from .text_rows import MARK, listed, plain, rows_of, shown
 
 KINDS = {
@@ -254,10 +254,8 @@ def strips(element: Columns) -> Columns:
     lists = next((element[name] for name in INDICES if isinstance(element.get(name), Lists)), None)
     if lists is None:
         return {}
-    ends = np.cumsum(lists.sizes)
-    whole = [triangles_of_strips(part.astype(np.int64), -1) for part in np.split(lists.values, ends[:-1])]
-    triangles = np.concatenate([np.empty((0, 3), np.int64), *whole])
-    return {INDICES[0]: Lists(np.full(len(triangles), 3, np.int64), triangles.reshape(-1))}
+    found = triangles_of(lists.values.astype(np.int64), lists.sizes, -1)
+    return {INDICES[0]: Lists(found.sizes, found.corner_vertices)}
 
 
 def uvs_of(vertex: Columns, face: Columns, mesh: PolygonMesh) -> np.ndarray | None:

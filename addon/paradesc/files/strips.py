@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..core.polygons import Polygons
+
 
 def triangles_of_strips(vertices: np.ndarray, restart: int | None = None) -> np.ndarray:
     """(m, 3) triangles of a strip of (n,) vertices, or of several with a number between them; none without an area.
@@ -19,6 +21,13 @@ def triangles_of_strips(vertices: np.ndarray, restart: int | None = None) -> np.
     sound &= ~(ends[:-2] | ends[1:-1] | ends[2:])
     turned = (places[: len(corners)] - begin) % 2 == 1
     return np.where(turned[:, None], corners[:, [1, 0, 2]], corners)[sound]
+
+
+def triangles_of(vertices: np.ndarray, sizes: np.ndarray, restart: int | None = None) -> Polygons:
+    """The triangles of strips that follow each other among (n,) vertices, as many in each as (m,) sizes say."""
+    whole = [triangles_of_strips(part, restart) for part in np.split(vertices, np.cumsum(sizes)[:-1])]
+    triangles = np.concatenate([np.empty((0, 3), np.int64), *whole])
+    return Polygons(triangles.reshape(-1), np.full(len(triangles), 3, np.int64))
 
 
 def triangles_of_fan(vertices: np.ndarray) -> np.ndarray:

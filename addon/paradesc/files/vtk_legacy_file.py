@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, vertices_at
-from .strips import triangles_of_strips
+from ..core.polygons import PolygonMesh, Polygons, listed_polygons, vertices_at
+from .strips import triangles_of
 from .text_rows import numbers_in, plain, shown
 
 BEGIN = re.compile(
@@ -27,7 +27,6 @@ CELLS = (FACES, STRIPS, b"VERTICES", b"LINES")
 VALUES = (b"POINT_DATA", b"CELL_DATA")
 # In text, an array ends at a line that begins with a word, other than the words for missing numbers.
 WORD = re.compile(rb"^[ \t]*(?!nan\b|inf\b|infinity\b)[A-Za-z_]", re.MULTILINE | re.IGNORECASE)
-Cells = tuple[np.ndarray, np.ndarray]  # (c,) vertices of all cells one after the other, and (m,) how many each has
 
 
 @dataclass
@@ -80,14 +79,15 @@ def read(path: Path) -> PolygonMesh | None:
         file.at = BEGIN.match(file.body).end()
     points, cells = parts(file)
     faces = [cells[FACES]] if FACES in cells else []
-    faces += [triangles_of(cells[STRIPS])] if STRIPS in cells else []
+    faces += [triangles_of(cells[STRIPS].corner_vertices, cells[STRIPS].sizes)] if STRIPS in cells else []
     if points is None or not faces:
         return None
-    corners, sizes = (np.concatenate(part) for part in zip(*faces, strict=True))
-    return PolygonMesh(origin.stored(points), vertices_at(corners, len(points)).astype(np.int32), sizes)
+    corners = vertices_at(np.concatenate([one.corner_vertices for one in faces]), len(points))
+    sizes = np.concatenate([one.sizes for one in faces])
+    return PolygonMesh(origin.stored(points), corners.astype(np.int32), sizes)
 
 
-def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Cells]]:
+def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Polygons]]:
     """(n, 3) float64 points, and the cells by their keyword, as far as the values of either."""
     points, cells = None, {}
     while words := file.words():
@@ -144,7 +144,7 @@ def pass_field(file: Content, arrays: int) -> None:
         file.numbers(words[3], count_of(words[1]) * count_of(words[2]))
 
 
-def cells_of(file: Content, one: int, other: int) -> Cells:
+def cells_of(file: Content, one: int, other: int) -> Polygons:
     """The cells in either way of VTK: the size before each, or, since version 5, a table of where each begins."""
     before = file.at
     words = file.words()
@@ -153,9 +153,12 @@ def cells_of(file: Content, one: int, other: int) -> Cells:
         words = file.words()
         if not words or words[0].upper() != b"CONNECTIVITY":
             raise ValueError("its polygons have no CONNECTIVITY")
-        return file.numbers(words[1], other), sizes_between(starts, other)
+        return Polygons(file.numbers(words[1], other), sizes_between(starts, other))
     file.at = before
-    return apart(file.numbers(b"int", other).astype(np.int64), one)
+    found = listed_polygons(file.numbers(b"int", other).astype(np.int64))
+    if found is None or len(found.sizes) != one:
+        raise ValueError(f"it promises {one:,} polygons and has another number; it was cut off, or damaged")
+    return found
 
 
 def sizes_between(starts: np.ndarray, total: int) -> np.ndarray:
@@ -164,25 +167,3 @@ def sizes_between(starts: np.ndarray, total: int) -> np.ndarray:
     if len(starts) and (starts[0] != 0 or starts[-1] != total or (sizes < 0).any()):
         raise ValueError("its polygons do not follow each other; it is damaged")
     return sizes
-
-
-def apart(table: np.ndarray, count: int) -> Cells:
-    """The cells of a list in which the size of each stands before it."""
-    size = int(table[0]) if len(table) else 0
-    if count and len(table) == count * (size + 1) and (table[:: size + 1] == size).all():
-        return table.reshape(count, size + 1)[:, 1:].reshape(-1), np.full(count, size, np.int64)
-    heads, at, listed = [], 0, table.tolist()
-    while at < len(listed) and listed[at] >= 0 and len(heads) < count:
-        heads.append(at)
-        at += listed[at] + 1
-    if at != len(listed) or len(heads) != count:
-        raise ValueError(f"it promises {count:,} polygons and has another number; it was cut off, or damaged")
-    return np.delete(table, heads), table[heads]
-
-
-def triangles_of(strips: Cells) -> Cells:
-    """The triangles of strips."""
-    vertices, sizes = strips
-    whole = [triangles_of_strips(part) for part in np.split(vertices, np.cumsum(sizes)[:-1])]
-    triangles = np.concatenate([np.empty((0, 3), np.int64), *whole])
-    return triangles.reshape(-1), np.full(len(triangles), 3, np.int64)

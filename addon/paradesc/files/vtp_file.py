@@ -14,9 +14,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, vertices_at
+from ..core.polygons import PolygonMesh, Polygons, vertices_at
+from .strips import triangles_of
 from .text_rows import numbers_in
-from .vtk_legacy_file import Cells, sizes_between, triangles_of
+from .vtk_legacy_file import sizes_between
 
 KINDS = {
     "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
@@ -134,10 +135,13 @@ def read(path: Path) -> PolygonMesh | None:
         own = piece.find("Points/DataArray")
         if own is None:
             continue
-        points.append(rows_of_three(document.array(own)))
-        for found, size in faces_of(document, piece):
-            corners.append(vertices_at(found, len(points[-1])) + vertices)
-            sizes.append(size)
+        values = document.array(own)
+        if len(values) % 3:
+            raise ValueError("its points are no rows of three numbers")
+        points.append(values.astype(np.float64).reshape(-1, 3))
+        for found in faces_of(document, piece):
+            corners.append(vertices_at(found.corner_vertices, len(points[-1])) + vertices)
+            sizes.append(found.sizes)
         vertices += len(points[-1])
     if not sizes:
         return None
@@ -164,7 +168,7 @@ def opened(content: bytes) -> Document:
     return Document(root, body if is_raw else b"".join(body.partition(b"<")[0].split()), is_raw)
 
 
-def faces_of(document: Document, piece: ElementTree.Element) -> list[Cells]:
+def faces_of(document: Document, piece: ElementTree.Element) -> list[Polygons]:
     """The polygons of a piece, and the triangles of its strips."""
     found = []
     for name in ("Polys", "Strips"):
@@ -175,16 +179,9 @@ def faces_of(document: Document, piece: ElementTree.Element) -> list[Cells]:
         if not len(ends):
             continue
         corners = document.array(arrays["connectivity"])
-        cells = corners, sizes_between(np.concatenate([[0], ends]), len(corners))
-        found.append(triangles_of(cells) if name == "Strips" else cells)
+        sizes = sizes_between(np.concatenate([[0], ends]), len(corners))
+        found.append(triangles_of(corners, sizes) if name == "Strips" else Polygons(corners, sizes))
     return found
-
-
-def rows_of_three(values: np.ndarray) -> np.ndarray:
-    """(n, 3) float64 points."""
-    if len(values) % 3:
-        raise ValueError("its points are no rows of three numbers")
-    return values.astype(np.float64).reshape(-1, 3)
 
 
 def whole_number(text: str | None) -> int:

@@ -64,12 +64,12 @@ def polygons_of(faces: object, vertex_count: int) -> Polygons:
     if sizes.min() < 3:
         face = int(sizes.argmin())
         raise InputError(f"Face {face} has {counted(int(sizes[face]), 'corner')}; at least three are needed.")
-    starts = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    sizes = sizes.astype(np.int64)
 
     def face_of(corner: int) -> str:
-        return f"Face {int(np.searchsorted(starts, corner, side='right')) - 1}"
+        return f"Face {int(np.searchsorted(np.cumsum(sizes), corner, side='right'))}"
 
-    return Polygons(indices(corners, vertex_count, face_of), starts)
+    return Polygons(indices(corners, vertex_count, face_of), sizes)
 
 
 def rows_of(faces: object) -> tuple[np.ndarray, np.ndarray]:

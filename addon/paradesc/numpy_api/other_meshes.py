@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..bridge import InputError
-from ..core.polygons import Polygons
+from ..core.polygons import Polygons, listed_polygons
 from .inputs import numbers, whole
 
 # Triangles, polygons and quads among VTK's types of cells.
@@ -68,21 +68,10 @@ def grid_polygons(mesh: object) -> Polygons:
 def vtk_polygons(cells: object) -> Polygons:
     """The faces of VTK's list: the number of corners of a face, then its vertices, then the next face."""
     wanted = "VTK's list of faces (corners, vertex, vertex, vertex, corners, …) is needed"
-    array = whole(cells, "faces", wanted, 1).astype(np.int64)
-    size = int(array[0]) if array.size else 0
-    if size >= 3 and len(array) % (size + 1) == 0 and (array[:: size + 1] == size).all():
-        table = array.reshape(-1, size + 1)
-        return Polygons(table[:, 1:].reshape(-1), np.arange(len(table) + 1) * size)
-    heads, at, sizes = [], 0, array.tolist()
-    while at < len(sizes):
-        heads.append(at)
-        if sizes[at] < 0:
-            break
-        at += sizes[at] + 1
-    if at != len(sizes):
+    found = listed_polygons(whole(cells, "faces", wanted, 1).astype(np.int64))
+    if found is None:
         raise InputError(f"faces ends within a face; {wanted}.")
-    corners = np.delete(array, heads)
-    return Polygons(corners, np.concatenate([[0], np.cumsum(array[heads])]).astype(np.int64))
+    return found
 
 
 def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> None:
