@@ -166,7 +166,10 @@ def compute(
         work.check_normals(settings, corner_normals)
         points, polygons = work.surface_of(vertices, faces)
         arrays = work.inputs.mesh_arrays(points, polygons, uvs, corner_normals, sharp_edges)
-        results = work.face_centers.run_where_asked(arrays, settings, told, polygons.sizes)
+        if settings.domain == "faces":
+            results = work.face_centers.run(arrays, settings, told, polygons.sizes)
+        else:
+            results = work.job.run(arrays, settings, told)
     return told_of(Result(results))
 
 

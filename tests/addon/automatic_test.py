@@ -9,7 +9,7 @@ from conftest import command_line, completed, environment
 from paradesc import bridge
 from paradesc.bridge import Options
 from paradesc.core import compare, job, stream
-from paradesc.files import maps
+from paradesc.files import exr, maps
 from paradesc.files.results import Baked
 from shapes import cube_sphere, write_obj
 
@@ -103,7 +103,7 @@ def test_texels_of_the_processor_are_those_of_the_software_rasterizer(sphere, tm
     difference = (found.maps["mean_curvature"] - expected.maps["mean_curvature"])[there]
     assert np.abs(difference).mean() < 0.02 * 0.5, "two backends, each within one percent of 1/R"
     path = tmp_path / "image.exr"
-    maps.write_exr(path, Baked("sphere", found, sphere, np.eye(4)))
+    exr.write_exr(path, maps.channels_of(Baked("sphere", found, sphere, np.eye(4))))
     assert path.stat().st_size > 128 * 128 * 4
 
 

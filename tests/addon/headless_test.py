@@ -319,7 +319,7 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
 
 
 def test_every_preset_of_the_panel_is_one_here():
-    from paradesc.commands.preset_options import found_preset
+    from paradesc.commands.options import found_preset
     from paradesc.files import preset_rules
     from paradesc_blender.settings import presets
 

@@ -144,7 +144,7 @@ def test_a_map_that_renders_do_not_use_is_named_by_a_node(material):
 def ramp(tile):
     """A tile that goes from black to white over the first tile, and stays white on the second."""
     values = np.linspace(0, 65535, 64) if tile == udim.FIRST else np.full(64, 65535.0)
-    return png.encode_png16(np.repeat(values.astype(np.uint16)[None, :, None], 64, axis=0), {})
+    return png.encode_png(np.repeat(values.astype(np.uint16)[None, :, None], 64, axis=0), {})
 
 
 def rendered(path):

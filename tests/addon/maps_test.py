@@ -215,7 +215,7 @@ def test_a_16_bit_png_says_which_values_its_ends_are(paradesc, tmp_path):
 
 def test_16_bits_of_three_channels_are_written_as_given():
     image = np.random.default_rng(2).integers(0, 65536, (9, 7, 3)).astype(np.uint16)
-    read, texts = decode16(png.encode_png16(image, {"Title": "x"}))
+    read, texts = decode16(png.encode_png(image, {"Title": "x"}))
     assert np.array_equal(read, image)
     assert texts == {"Title": "x"}
 

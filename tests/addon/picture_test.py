@@ -44,7 +44,7 @@ def test_png_holds_the_image(tmp_path):
     assert np.array_equal(decode((tmp_path / "a.png").read_bytes()), image)
 
 
-@pytest.mark.parametrize("image", [np.zeros((2, 2, 3)), np.zeros((2, 2), np.uint8), np.zeros((2, 2, 4), np.uint8)])
+@pytest.mark.parametrize("image", [np.zeros((2, 2, 3)), np.zeros((2, 2), np.uint8), np.zeros((2, 2, 5), np.uint8)])
 def test_png_refuses_what_is_no_image(image):
     with pytest.raises(ValueError, match="uint8"):
         png.encode_png(image)

@@ -198,7 +198,7 @@ def test_fans_that_meet_in_one_vertex_are_weighed_in_each_frame(sound_sphere):
 
 def test_zero_and_minus_zero_are_one_place():
     places = np.array([[0.0, 1.0, 2.0], [-0.0, 1.0, 2.0], [0.0, 1.0, 3.0]], np.float32)
-    keys = stream.place_keys(places.T)
+    keys = bridge.origin.place_keys(places.T)
     assert keys[0] == keys[1] != keys[2]
     assert stream.distinct(keys) == 2
 

@@ -10,6 +10,7 @@ from .library import (
     descriptors,
     load_library,
     missing_sentence,
+    unusable,
 )
 from .option_table import TABLE, Row
 from .options import (
@@ -23,37 +24,3 @@ from .options import (
 from .rays import Hits, cast_rays
 from .session import BUFFERS, Closing, Context, Field, Mesh, ProgressFunction, allowed_memory
 from .uv_images import TexelMap, draw_uv_image, fill_gutter
-
-__all__ = [
-    "BACKENDS",
-    "BUFFERS",
-    "CHOICES",
-    "METHODS",
-    "TABLE",
-    "Closing",
-    "Context",
-    "Descriptor",
-    "Field",
-    "Hits",
-    "InputError",
-    "Layout",
-    "Mesh",
-    "MeshArrays",
-    "Options",
-    "ParadescError",
-    "ProgressFunction",
-    "Row",
-    "SurfaceMaps",
-    "TexelMap",
-    "allowed_memory",
-    "cast_rays",
-    "components",
-    "descriptors",
-    "draw_uv_image",
-    "fill_gutter",
-    "load_library",
-    "missing_sentence",
-    "needs_texture_space",
-    "origin",
-    "uses_texture_space",
-]

@@ -1,6 +1,5 @@
 """The C interface of native/include/paradesc, declared for ctypes: same names, same order, same types."""
 
-import ctypes
 from ctypes import (
     CFUNCTYPE,
     POINTER,
@@ -343,11 +342,3 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         [POINTER(RaysInput), Int32Pointer, Float32Pointer, Float32Pointer, c_int32, Float32Pointer, c_int64],
     ),
 }
-
-
-def declare(library: ctypes.CDLL) -> None:
-    """Gives every function of the library its result and argument types."""
-    for name, (result, arguments) in FUNCTIONS.items():
-        function = getattr(library, name)
-        function.restype = result
-        function.argtypes = arguments

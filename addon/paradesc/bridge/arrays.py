@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import abi, origin
-from .library import ParadescError, new_struct
+from .library import new_struct, unusable
+
+POINTERS = {np.float32: abi.Float32Pointer, np.int32: abi.Int32Pointer, np.uint8: abi.Uint8Pointer}
 
 
 @dataclass
@@ -59,63 +61,56 @@ class MeshArrays:
 
 def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput, list[np.ndarray]]:
     """The C struct of a mesh, and the arrays that must stay alive while the library reads it."""
-    kept: list[np.ndarray] = []
-
-    def give(array: np.ndarray | None, kind: type, name: str, width: int, pointer: type) -> object:
-        if array is None:
-            return pointer()
-        kept.append(contiguous(array, kind, name, width))
-        return address(kept[-1], pointer)
-
     native = new_struct(library, abi.MeshInput)
     native.vertex_count = len(arrays.positions)
-    native.corner_count = len(arrays.corner_vertices)
-    native.triangle_count = len(arrays.triangle_corners)
-    native.positions = give(near_positions(arrays.positions), np.float32, "positions", 3, abi.Float32Pointer)
-    native.corner_vertices = give(arrays.corner_vertices, np.int32, "corner_vertices", 1, abi.Int32Pointer)
-    native.triangle_corners = give(arrays.triangle_corners, np.int32, "triangle_corners", 3, abi.Int32Pointer)
-    native.corner_uvs = give(arrays.corner_uvs, np.float32, "corner_uvs", 2, abi.Float32Pointer)
-    native.corner_normals = give(arrays.corner_normals, np.float32, "corner_normals", 3, abi.Float32Pointer)
-    native.triangle_smooth = give(arrays.triangle_smooth, np.uint8, "triangle_smooth", 1, abi.Uint8Pointer)
-    native.sharp_edges = give(arrays.sharp_edges, np.int32, "sharp_edges", 2, abi.Int32Pointer)
-    native.sharp_edge_count = 0 if arrays.sharp_edges is None else len(arrays.sharp_edges)
-    for name, array, count in (
-        ("corner_uvs", arrays.corner_uvs, native.corner_count),
-        ("corner_normals", arrays.corner_normals, native.corner_count),
-        ("triangle_smooth", arrays.triangle_smooth, native.triangle_count),
+    native.corner_count, native.triangle_count = len(arrays.corner_vertices), len(arrays.triangle_corners)
+    kept: list[np.ndarray] = []
+    for name, kind, width, count in (
+        ("positions", np.float32, 3, -1),
+        ("corner_vertices", np.int32, 1, -1),
+        ("triangle_corners", np.int32, 3, -1),
+        ("corner_uvs", np.float32, 2, native.corner_count),
+        ("corner_normals", np.float32, 3, native.corner_count),
+        ("triangle_smooth", np.uint8, 1, native.triangle_count),
+        ("sharp_edges", np.int32, 2, -1),
     ):
-        if array is not None and len(array) != count:
-            sentence = f"{name} has {len(array)} rows, but {count} are needed."
-            raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        array = near_positions(arrays.positions) if name == "positions" else getattr(arrays, name)
+        if array is not None:
+            kept.append(shaped(array, kind, name, (-1,) if width == 1 else (-1, width)))
+            setattr(native, name, address(kept[-1]))
+            if count not in (-1, len(array)):
+                raise unusable(f"{name} has {len(array)} rows, but {count} are needed.")
+    native.sharp_edge_count = 0 if arrays.sharp_edges is None else len(arrays.sharp_edges)
     return native, kept
 
 
 def near_positions(positions: np.ndarray) -> np.ndarray:
     """(vertex_count, 3) float32 positions for the library, moved near the origin if they are far from it."""
-    return origin.near_origin(contiguous(positions, np.asarray(positions).dtype, "positions", 3))
+    return origin.near_origin(shaped(positions, np.asarray(positions).dtype, "positions", (-1, 3)))
 
 
-def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarray:
-    """(n,) or (n, width) array of the type wanted, copied only if necessary."""
+def shaped(array: np.ndarray, kind: type, name: str, shape: tuple[int, ...], wanted: str = "") -> np.ndarray:
+    """The array in the type wanted, copied only where it has to be; -1 stands for any length.
+
+    wanted: how an error names the shape.
+    """
     result = np.ascontiguousarray(array, dtype=kind)
-    shape_fits = result.ndim == 1 if width == 1 else result.ndim == 2 and result.shape[1] == width
-    if not shape_fits:
-        wanted = "(n,)" if width == 1 else f"(n, {width})"
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {result.shape}, but {wanted} is needed.")
+    fits = result.ndim == len(shape) and all(want in (-1, have) for want, have in zip(shape, result.shape, strict=True))
+    if not fits:
+        wanted = wanted or str(shape).replace("-1", "n")
+        raise unusable(f"{name} has shape {result.shape}, but {wanted} is needed.")
     return result
 
 
-def image(pixels: np.ndarray | None, name: str, dimensions: int) -> tuple[np.ndarray | None, object, int, int]:
-    """An image's pixels with their address, height and width. Keep the pixels alive while the library reads them."""
+def image(pixels: np.ndarray | None, name: str, shape: tuple[int, ...]) -> tuple[np.ndarray | None, int, int]:
+    """An image's pixels as 32-bit floats, and its height and width."""
     if pixels is None:
-        return None, abi.Float32Pointer(), 0, 0
-    array = np.ascontiguousarray(pixels, dtype=np.float32)
-    if array.ndim != dimensions or (dimensions == 3 and array.shape[2] != 3):
-        wanted = "(height, width)" if dimensions == 2 else "(height, width, 3)"
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {array.shape}, but {wanted} is needed.")
-    return array, address(array, abi.Float32Pointer), array.shape[0], array.shape[1]
+        return None, 0, 0
+    wanted = "(height, width)" if len(shape) == 2 else "(height, width, 3)"
+    array = shaped(pixels, np.float32, name, shape, wanted)
+    return array, array.shape[0], array.shape[1]
 
 
-def address(array: np.ndarray, pointer: type) -> object:
-    """A typed C pointer to the array's first element."""
-    return array.ctypes.data_as(pointer)
+def address(array: np.ndarray | None) -> object:
+    """A typed C pointer to the array's first element, null without an array; keep the array while it is read."""
+    return None if array is None else array.ctypes.data_as(POINTERS[array.dtype.type])

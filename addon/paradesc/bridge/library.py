@@ -79,6 +79,11 @@ class InputError(ParadescError, ValueError):
         super().__init__(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
+def unusable(sentence: str) -> ParadescError:
+    """The error for an argument that cannot be used, where the input may be sound."""
+    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
 @dataclass(frozen=True)
 class Descriptor:
     """A descriptor that can be computed, as descriptors() lists it.
@@ -183,7 +188,9 @@ def open_library(path: Path) -> ctypes.CDLL:
         sentence = f"native library cannot be loaded – {str(error).strip().rstrip('.')}; {offer()}."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     check_version(library, path)
-    abi.declare(library)
+    for name, (result, arguments) in abi.FUNCTIONS.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
     return library
 
 

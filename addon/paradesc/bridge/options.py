@@ -4,7 +4,7 @@ import ctypes
 from dataclasses import make_dataclass
 
 from . import abi
-from .library import ParadescError, new_struct
+from .library import new_struct, unusable
 from .option_table import TABLE, Row
 
 # C's numbers of backends and of choices are their places, from 0.
@@ -73,20 +73,19 @@ def native_value(row: Row, value: object) -> object:
     if row.name != "seed":
         return int32(value, row.what)
     if not 0 <= value < 2**32:
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {value} is not between 0 and {2**32 - 1}.")
+        raise unusable(f"The seed {value} is not between 0 and {2**32 - 1}.")
     return value
 
 
 def choice(names: dict[str, int], name: str, what: str) -> int:
     """The number of a named choice; a ParadescError lists the names that exist."""
     if name not in names:
-        sentence = f'There is no {what} "{name}"; choose one of {", ".join(names)}.'
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(f'There is no {what} "{name}"; choose one of {", ".join(names)}.')
     return names[name]
 
 
 def int32(value: int, what: str) -> int:
     """The value itself if it fits the C type; ctypes would cut it silently."""
     if not -(2**31) <= value < 2**31:
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The {what} {value} is out of range.")
+        raise unusable(f"The {what} {value} is out of range.")
     return value

@@ -73,3 +73,18 @@ def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
         f"rounded to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it is saved so; text, and "
         "a .ply of doubles, keep their digits where --reader files reads them."
     ]
+
+
+def columns_of(positions: np.ndarray) -> np.ndarray:
+    """Turns (n, 3) into (3, n) float32 as the library gets them, each coordinate in a row."""
+    return np.ascontiguousarray(near_origin(positions).T)
+
+
+def place_keys(columns: np.ndarray) -> np.ndarray:
+    """(n,) uint64 that are equal if (3, n) positions are, and otherwise only by chance, once in 2^64."""
+    bits = (columns + np.float32(0)).view(np.uint32)  # adding zero makes -0 and 0 one
+    keys = np.zeros(bits.shape[1], np.uint64)
+    for axis in bits:
+        keys = (keys ^ axis) * np.uint64(0x9E3779B97F4A7C15)
+        keys ^= keys >> np.uint64(29)
+    return keys

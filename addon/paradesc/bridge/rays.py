@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import abi
-from .arrays import address
+from .arrays import address, shaped
 from .library import check, load_library, new_struct
 from .session import Call, ProgressFunction
-from .uv_images import shaped
 
 
 @dataclass(frozen=True)
@@ -38,10 +37,10 @@ class Hits:
         native = new_struct(library, abi.RaysInput)
         native.vertex_count, native.triangle_count = len(given), len(self.triangle_vertices)
         native.ray_count = len(self.triangles)
-        native.triangle_vertices = address(self.triangle_vertices, abi.Int32Pointer)
+        native.triangle_vertices = address(self.triangle_vertices)
         met = np.empty((len(self.triangles), 3) if width == 3 else len(self.triangles), np.float32)
-        triangles, weights = address(self.triangles, abi.Int32Pointer), address(self.weights, abi.Float32Pointer)
-        source, out = address(given, abi.Float32Pointer), address(met, abi.Float32Pointer)
+        triangles, weights = address(self.triangles), address(self.weights)
+        source, out = address(given), address(met)
         check(library, library.pdesc_rays_values(byref(native), triangles, weights, source, width, out, met.size))
         return met
 
@@ -63,10 +62,10 @@ def cast_rays(
     given = shaped(rays, np.float32, "rays", (-1, 6))
     native = new_struct(library, abi.RaysInput)
     native.vertex_count, native.triangle_count, native.ray_count = len(points), len(numbers), len(given)
-    native.positions, native.rays = address(points, abi.Float32Pointer), address(given, abi.Float32Pointer)
-    native.triangle_vertices, native.reach = address(numbers, abi.Int32Pointer), reach
+    native.positions, native.rays = address(points), address(given)
+    native.triangle_vertices, native.reach = address(numbers), reach
     hits = Hits(numbers, np.empty(len(given), np.int32), np.empty((len(given), 3), np.float32))
-    triangles, weights = address(hits.triangles, abi.Int32Pointer), address(hits.weights, abi.Float32Pointer)
+    triangles, weights = address(hits.triangles), address(hits.weights)
     with Call(progress) as native.progress:
         status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
     check(library, status)

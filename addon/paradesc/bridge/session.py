@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from . import abi
-from .arrays import MeshArrays, SurfaceMaps, address, contiguous, image, native_mesh, near_positions
+from .arrays import MeshArrays, SurfaceMaps, address, image, native_mesh, near_positions, shaped
 from .library import InputError, check, components, load_library, new_struct, text
 from .options import BACKENDS, Options, choice, int32, native_options
 
@@ -73,14 +73,14 @@ class Field(Closing):
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
         width = components(name)
         values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
-        pointer = address(values, abi.Float32Pointer)
+        pointer = address(values)
         check(self._library, self._library.pdesc_field_values(self._pointer, name.encode(), pointer, len(values)))
         return values
 
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
         mask = np.empty(self._vertex_count, np.uint8)
-        status = self._library.pdesc_field_mask(self._pointer, address(mask, abi.Uint8Pointer), self._vertex_count)
+        status = self._library.pdesc_field_mask(self._pointer, address(mask), self._vertex_count)
         check(self._library, status)
         return mask
 
@@ -88,7 +88,7 @@ class Field(Closing):
         """(N, N) or (N, N, 3) float32 over the layout, rows from v = 0 up, NaN off the surface; of evaluate = texel."""
         size, width = self._library.pdesc_field_map_size(self._pointer), components(name)
         values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
-        pointer = address(values, abi.Float32Pointer)
+        pointer = address(values)
         check(self._library, self._library.pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
         return values
 
@@ -116,25 +116,27 @@ class Mesh(Closing):
     def set_positions(self, positions: np.ndarray) -> None:
         """New positions, (vertex_count, 3), for the same topology."""
         array = near_positions(positions)
-        status = self._library.pdesc_mesh_set_positions(self._pointer, address(array, abi.Float32Pointer), len(array))
+        status = self._library.pdesc_mesh_set_positions(self._pointer, address(array), len(array))
         check(self._library, status)
 
     def set_displacement(self, heights: np.ndarray | None, midlevel: float = 0.5, scale: float = 1.0) -> None:
         """Displaces the surface by (value - midlevel) scale of an image (height, width); None removes the image."""
-        array, pointer, height, width = image(heights, "heights", 2)
-        status = self._library.pdesc_mesh_set_displacement(self._pointer, pointer, width, height, midlevel, scale)
+        array, height, width = image(heights, "heights", (-1, -1))
+        status = self._library.pdesc_mesh_set_displacement(
+            self._pointer, address(array), width, height, midlevel, scale
+        )
         check(self._library, status)
-        del array
 
     def set_normal_map(self, colors: np.ndarray | None, corner_tangents: np.ndarray | None = None) -> None:
         """Takes the normals from an image (height, width, 3), in the tangent space of (corner_count, 4)."""
-        array, pointer, height, width = image(colors, "the normal map", 3)
-        tangents = None if corner_tangents is None else contiguous(corner_tangents, np.float32, "corner_tangents", 4)
-        given = abi.Float32Pointer() if tangents is None else address(tangents, abi.Float32Pointer)
-        count = 0 if tangents is None else len(tangents)
-        status = self._library.pdesc_mesh_set_normal_map(self._pointer, pointer, width, height, given, count)
+        array, height, width = image(colors, "the normal map", (-1, -1, 3))
+        tangents, count = None, 0
+        if corner_tangents is not None:
+            tangents, count = shaped(corner_tangents, np.float32, "corner_tangents", (-1, 4)), len(corner_tangents)
+        status = self._library.pdesc_mesh_set_normal_map(
+            self._pointer, address(array), width, height, address(tangents), count
+        )
         check(self._library, status)
-        del array
 
     def set_maps(self, maps: SurfaceMaps) -> None:
         """Sets displacement and normal map, or removes those that are None."""
@@ -144,7 +146,7 @@ class Mesh(Closing):
     def near_seam(self, radius: float) -> np.ndarray:
         """(vertex_count,) bool: a seam of the UV map lies within radius, in units of the positions."""
         near = np.empty(self.vertex_count, np.uint8)
-        pointer = address(near, abi.Uint8Pointer)
+        pointer = address(near)
         check(self._library, self._library.pdesc_mesh_near_seam(self._pointer, radius, pointer, self.vertex_count))
         return near.astype(bool)
 
@@ -193,7 +195,7 @@ class Mesh(Closing):
         width = BUFFERS.get(name, 1)
         size = self._library.pdesc_mesh_buffer_size(self._pointer)
         values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
-        pointer = address(values, abi.Float32Pointer)
+        pointer = address(values)
         status = self._library.pdesc_mesh_read_buffer(self._pointer, name.encode(), pointer, values.size)
         check(self._library, status)
         return values
@@ -202,7 +204,7 @@ class Mesh(Closing):
         """(triangle_count, 3, 2) float32 (u, v) in use: the UV map's, or those of the private layout."""
         count = int(self.report()["triangle_count"])
         uvs = np.empty((count, 3, 2), np.float32)
-        check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs, abi.Float32Pointer), count))
+        check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs), count))
         return uvs
 
     def close(self) -> None:
@@ -276,7 +278,7 @@ def as_dict(struct: ctypes.Structure) -> dict[str, float | int]:
 
 
 class Call:
-    """A native call that reports progress, as a context: gives its C callback, and raises at the end what came up in it.
+    """A native call that reports progress, as a context: gives its C callback, raises at the end what came up in it.
 
     An exception may not cross C: that of the Python callback cancels the call and is raised after it. So is what
     handlers of Ctrl-C and SIGTERM raise, on the main thread: Python runs them where the next Python function begins,

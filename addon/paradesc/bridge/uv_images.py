@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import abi
-from .arrays import address
-from .library import ParadescError, check, load_library, new_struct
+from .arrays import address, shaped
+from .library import check, load_library, new_struct
 from .options import int32
 from .session import Call, ProgressFunction
 
@@ -42,17 +42,17 @@ def draw_uv_image(
     native = new_struct(library, abi.UvImageInput)
     native.size = int32(size, "number of texels")
     native.triangle_count, native.value_count, native.components = len(corners), len(column), width
-    native.uvs, native.triangle_values = address(places, abi.Float32Pointer), address(corners, abi.Int32Pointer)
-    native.values, native.numbers = address(column, abi.Float32Pointer), numbers
+    native.uvs, native.triangle_values = address(places), address(corners)
+    native.values, native.numbers = address(column), numbers
     if texels is not None:
         side = len(texels.values)
         source = shaped(texels.values, np.float32, "the map", (side, side, 3) if width == 3 else (side, side))
         layout = shaped(texels.layout, np.float32, "the layout", places.shape)
-        native.map, native.map_size = address(source, abi.Float32Pointer), side
-        native.map_uvs = address(layout, abi.Float32Pointer)
+        native.map, native.map_size = address(source), side
+        native.map_uvs = address(layout)
     image = np.empty((max(size, 0), max(size, 0), width), np.float32)
     with Call(progress) as native.progress:
-        status = library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size)
+        status = library.pdesc_uv_image_draw(byref(native), address(image), image.size)
     check(library, status)
     return image
 
@@ -62,16 +62,6 @@ def fill_gutter(image: np.ndarray, steps: int) -> np.ndarray:
     library = load_library()
     filled = np.array(image, np.float32, order="C")
     height, width, components = filled.shape
-    pointer = address(filled, abi.Float32Pointer)
+    pointer = address(filled)
     check(library, library.pdesc_uv_image_fill_gutter(pointer, filled.size, width, height, components, steps, 0))
     return filled
-
-
-def shaped(array: np.ndarray, kind: type, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """The array in the type wanted, copied only where it has to be; -1 stands for any length."""
-    result = np.ascontiguousarray(array, dtype=kind)
-    fits = result.ndim == len(shape) and all(want in (-1, have) for want, have in zip(shape, result.shape, strict=True))
-    if not fits:
-        wanted = str(shape).replace("-1", "n")
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {result.shape}, but {wanted} is needed.")
-    return result

@@ -19,8 +19,16 @@ from .common import (
     print_notes,
 )
 from .look_options import fixed_range
-from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
-from .preset_options import check_preset, notes_of_preset
+from .options import (
+    add_computation_options,
+    add_input,
+    add_map_options,
+    add_source,
+    check_preset,
+    notes_of_preset,
+    opened_settings,
+    settings_of,
+)
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 

@@ -211,11 +211,7 @@ def described_object(baked: Baked) -> dict[str, object]:
     }
 
 
-def in_part(name: str, part: int, parts: int) -> bool:
-    """Whether an asset belongs to a part, counted from 1, of several about equal parts. Other assets do not matter."""
-    return int(hashlib.sha256(name.encode()).hexdigest()[:12], 16) % parts == part - 1
-
-
 def of_part(names: Iterable[str], part: tuple[int, int] | None) -> list[str]:
-    """The names that belong to part (k, n); None stands for all."""
-    return [name for name in names if part is None or in_part(name, *part)]
+    """The names that belong to part (k, n), of about equal parts; None stands for all. Other names do not matter."""
+    number, count = part or (1, 1)
+    return [name for name in names if int(hashlib.sha256(name.encode()).hexdigest()[:12], 16) % count == number - 1]

@@ -4,6 +4,7 @@ import argparse
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 
 from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
@@ -26,11 +27,12 @@ from .options import (
     add_input,
     add_map_options,
     add_source,
+    check_preset,
+    notes_of_preset,
     opened_settings,
     settings_of,
 )
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
-from .preset_options import check_preset, notes_of_preset
 from .sources import Source, Target, scene_source, source_of, world_matrix
 
 HELP = "compute descriptors and write them to files"
@@ -143,7 +145,9 @@ def bake_objects(
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
-                    read = pairs.read_low(source, target, settings) if onto else source.read(target, settings)
+                    # The own normals of a low-poly object are not measured.
+                    options = replace(settings.options, normals="fitted") if onto else settings.options
+                    read = source.read(target, replace(settings, options=options))
                     arrays, reading, notes = read.arrays, read.reading, read.notes
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:

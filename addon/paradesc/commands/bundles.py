@@ -50,11 +50,6 @@ def write_bundle(folder: Path, kind: str, values: dict[str, object]) -> list[Pat
     return [*written, path]
 
 
-def write_job_types(folder: Path) -> list[Path]:
-    """Copies the job types of Flamenco into its manager's folder of scripts."""
-    return copied(sorted((FARMS / "flamenco").glob("*.js")), folder)
-
-
 def copied(paths: list[Path], folder: Path) -> list[Path]:
     """Copies files of the package into a folder, which is made."""
     try:

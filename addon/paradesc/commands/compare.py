@@ -4,8 +4,7 @@ import argparse
 
 from ..core import compare
 from .common import Parser, Progress, UsageError, print_notes
-from .options import add_mesh_options, opened_settings, settings_of
-from .preset_options import check_preset, notes_of_preset
+from .options import add_mesh_options, check_preset, notes_of_preset, opened_settings, settings_of
 from .sources import source_of
 
 COLUMNS = (

@@ -106,7 +106,9 @@ def read_mesh(
     arrays = replace(mesh.arrays)
     reason = arrays.uv_fault = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        if job.needs_uvs(settings) or (has_images and writes_images(arguments)):
+        buffers = getattr(arguments, "dump_buffers", None) is not None
+        are_written = has_images and (buffers or (hasattr(arguments, "map") and bool(paths_of(arguments))))
+        if are_written or job.needs_uvs(settings):
             raise InputError(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
@@ -152,9 +154,3 @@ def add_maps(mesh: PolygonMesh, arrays: bridge.MeshArrays, uv_fault: str, choice
         maps.corner_tangents = tangents.corner_tangents(arrays)
     arrays.maps = maps
     return notes
-
-
-def writes_images(arguments: argparse.Namespace) -> bool:
-    """Whether an output lies over UV coordinates, so that they are needed with any backend."""
-    buffers = getattr(arguments, "dump_buffers", None) is not None
-    return buffers or (hasattr(arguments, "map") and bool(paths_of(arguments)))

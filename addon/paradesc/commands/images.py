@@ -8,7 +8,7 @@ from pathlib import Path
 from .. import bridge
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import udim
-from ..files import file_names, image_files, maps, tile_names
+from ..files import exr, file_names, image_files, maps, tile_names
 from ..files.results import Baked, write_whole
 
 Rows = list[dict[str, object]]
@@ -77,7 +77,7 @@ def written(
         return tile_names.of_tile(name, tile)
 
     if path.suffix.lower() == ".exr":
-        write_whole(place(path), part, lambda at, content: maps.write_exr(at, content, shown))
+        write_whole(place(path), part, lambda at, content: exr.write_exr(at, maps.channels_of(content, shown)))
         return [{"path": str(place(path)), **about}]
     rows: Rows = []
     if not spans_values(arguments):

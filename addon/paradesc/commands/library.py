@@ -17,8 +17,7 @@ from ..files.results import folder_fault, make_folder, write_whole
 from . import assets, spreading
 from .assets import Done, Work
 from .common import Parser, Progress, UsageError, print_notes
-from .options import add_computation_options, opened_settings, settings_of
-from .preset_options import check_preset, notes_of_preset
+from .options import add_computation_options, check_preset, notes_of_preset, opened_settings, settings_of
 
 LISTING = "library.jsonl"
 PART = re.compile(r"(\d{1,7})/(\d{1,7})")
@@ -98,7 +97,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     listing = arguments.output / LISTING
     listed = not (arguments.part or arguments.asset)
     if listed:
-        write_whole(listing, tally.lines, write_listing)
+        write_whole(listing, "".join(tally.lines[name] for name in sorted(tally.lines)), results.write_text)
     return report(arguments, work, tally, listing if listed else None, time.monotonic() - started)
 
 
@@ -180,12 +179,6 @@ def spread(
         for index, name in enumerate(names):
             check()
             yield assets.measure(work, name, job.part_of(progress, index, len(names)))
-
-
-def write_listing(path: Path, lines: dict[str, str]) -> None:
-    """Writes the line of each asset, by name."""
-    with path.open("w", encoding="utf-8", errors=results.ESCAPED) as file:
-        file.writelines(lines[name] for name in sorted(lines))
 
 
 def report(

@@ -17,9 +17,11 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints the registry and the devices; returns both."""
     rows = [describe(row) for row in bridge.descriptors()]
     found = [
-        {"backend": row.backend, "index": None if row.index < 0 else row.index, "device": row.name, "missing": row.missing}
-        for row in devices.found()  # of which the only device of a backend needs no index
+        {"backend": row.backend, "index": row.index, "device": row.name, "missing": row.missing}
+        for row in devices.found()
     ]
+    for row in found:
+        row["index"] = None if row["index"] < 0 else row["index"]  # the only device of a backend needs none
     print("Descriptors")
     for row in rows:
         unit = f" [{row['unit']}]" if row["unit"] else ""

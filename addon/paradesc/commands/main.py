@@ -79,9 +79,7 @@ def main(words: list[str]) -> int:
         return fail(arguments, f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
     finally:
         contexts.close_idle()
-    if sentence:
-        tell_farm(arguments, sentence)
-    return say(sentence, code) if sentence else code
+    return say(sentence, code, arguments) if sentence else code
 
 
 def take_any_alphabet() -> None:
@@ -154,17 +152,12 @@ def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
     """Reports the failure in all places. An error while the report is written is not reported as well."""
     with contextlib.suppress(ParadescError):
         write_report(arguments, {}, code, " ".join(sentence.split()))
-    tell_farm(arguments, sentence)
-    return say(sentence, code)
+    return say(sentence, code, arguments)
 
 
-def tell_farm(arguments: argparse.Namespace, sentence: str) -> None:
-    """Reports the failure to a session of Open Job Description, with --progress openjd."""
+def say(sentence: str, code: int, arguments: argparse.Namespace | None = None) -> int:
+    """Prints the failure on one line, and tells it a session of Open Job Description, with --progress openjd."""
     if getattr(arguments, "progress", None) == "openjd":
         tell_openjd("fail", sentence)
-
-
-def say(sentence: str, code: int) -> int:
-    """Prints the failure on one line."""
     print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
     return code

@@ -1,4 +1,4 @@
-"""Options that commands share, and the settings of the computation that they become."""
+"""Options that commands share, and the settings of the computation that they and presets become."""
 
 import argparse
 import math
@@ -7,11 +7,16 @@ from pathlib import Path
 
 from .. import bridge
 from ..core import balance, job, source_kinds
-from ..files import preset_rules
-from .common import PROGRESS, UsageError
+from ..files import preset_file, preset_rules
+from ..files.paths import is_file
+from ..files.preset_file import Content
+from ..files.preset_rules import PRESETS
+from .common import PROGRESS, UsageError, has_blender
 from .file_reading import READERS
-from .preset_options import found_preset
 from .sources import scene_source
+
+# The members that have no effect, because the suffix of an image's file decides.
+WITHOUT_OPTION = ("image_format",)
 
 
 def add_mesh_options(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +62,8 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
             "take options that are not given from a preset: a JSON file, or a name (cavity, edge_wear, ... or your "
             "own)"
         ))  # fmt: skip
-    add("--descriptors", type=or_nothing, metavar="A,B,C", help=(
+    # Job descriptions pass options that nobody filled in.
+    add("--descriptors", type=lambda text: text or None, metavar="A,B,C", help=(
         "descriptors to compute; see paradesc list (default: mean_curvature)"
     ))
     add("--radius", type=radii, metavar="R[,R...]",
@@ -75,11 +81,6 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--shape-key", choices=("basis", "active"), help="shape to measure (default: basis)")
     add("--progress", choices=PROGRESS, default="auto",
         help="progress on the standard error: if it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
-
-
-def or_nothing(text: str) -> str | None:
-    """A text, or None for an empty one: job descriptions pass options that nobody filled in."""
-    return text or None
 
 
 def radii(text: str) -> tuple[float, ...] | None:
@@ -167,3 +168,51 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
         raise UsageError(f"{sentence}, or measure the source original.")
     arguments.preset_content = found_preset(arguments.preset)
     return settings_of(arguments, preset_rules.settings_of(arguments.preset_content, base))
+
+
+# ---- Presets: a built-in one, the user's or a file fills in options that are not given
+
+
+def is_preset_file(name: str) -> bool:
+    """Whether --preset names a file: by its suffix, or because it is the path of an existing file in another folder."""
+    path = Path(name)
+    return path.suffix.lower() == preset_file.SUFFIX or (path.name != name and is_file(path))
+
+
+def check_preset(name: str | None) -> None:
+    """Refuses an invalid preset file before anything else is read."""
+    if name is not None and is_preset_file(name):
+        preset_rules.sound(Path(name))
+
+
+def found_preset(name: str | None) -> Content | None:
+    """The preset that --preset names: a built-in one, a file, or with Blender one of its preset folders."""
+    if name is None:
+        return None
+    if name in PRESETS:
+        return PRESETS[name].content()
+    if is_preset_file(name):
+        return preset_rules.sound(Path(name))
+    if not has_blender():
+        raise UsageError(
+            f'There is no preset "{name}"; choose one of {", ".join(PRESETS)}, or give a file (NAME.json).'
+        )
+    scene = scene_source(argparse.Namespace())
+    row = scene.preset(name)
+    if row is None:
+        others = {row.name for row in scene.presets() if not row.fault}
+        known = ", ".join([*PRESETS, *sorted(others)])
+        raise UsageError(f'There is no preset "{name}"; choose one of {known}, or give a file (NAME.json).')
+    return preset_rules.sound(row.path)
+
+
+def notes_of_preset(content: Content | None, has_colors: bool) -> list[str]:
+    """One sentence about members of a preset that have no effect in this command."""
+    if content is None:
+        return []
+    unused = [name for name in content.image or {} if name in WITHOUT_OPTION]
+    unused += [] if has_colors else list(content.colors or {})
+    if not unused:
+        return []
+    verb = "have" if len(unused) > 1 else "has"
+    return [f'The preset "{content.name}" names {", ".join(unused)}, which {verb} no effect here.']

@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 from ..bridge import InputError
@@ -91,11 +90,6 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 
 
 # ---- Baking
-
-
-def read_low(source: Source, low: Target, settings: job.Settings) -> Read:
-    """Reads the low-poly object; its own normals are not measured."""
-    return source.read(low, replace(settings, options=replace(settings.options, normals="fitted")))
 
 
 def part_of(target: Target, read: Read) -> transfer.Part:

@@ -82,7 +82,9 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
     """
     others = set(multiprocessing.active_children())
     # Not forked: the native library may have threads, which a fork would lose in the middle of their work.
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin_process)
+    # They leave Ctrl-C to this process, which ends them. Files are written whole, so no half file is left.
+    ignored = signal.SIGINT, signal.SIG_IGN
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), signal.signal, ignored)
     try:
         for _, future in windowed(partial(pool.submit, assets.measure, work), names, 2 * workers, check):
             yield future.result()
@@ -92,11 +94,6 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-
-
-def begin_process() -> None:
-    """Leaves Ctrl-C to the main process, which ends this one. Files are written whole, so no half file is left."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def windowed(

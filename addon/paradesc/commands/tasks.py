@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     check(arguments, words)
     written: list[Path] = []
     if arguments.flamenco is not None:
-        written += bundles.write_job_types(arguments.flamenco)
+        written += bundles.copied(sorted((bundles.FARMS / "flamenco").glob("*.js")), arguments.flamenco)
     listed = Listed([], {})
     if words:
         parsed, program = parsed_words(words), shlex.split(arguments.program or "paradesc")

@@ -114,18 +114,6 @@ def fitted_radius(
     return float(f"{max(sized, least):.3g}") * diagonal, edge, diagonal
 
 
-def share_of_large_faces(positions: np.ndarray, triangles: np.ndarray, creases: np.ndarray) -> float:
-    """The share of the area in (n, 3) triangles all of whose corners lie on creases, (k, 2) vertices each.
-
-    On such a face values at vertices cannot show a mask: the whole face gets the value of its edges.
-    """
-    on_crease = np.zeros(len(positions), bool)
-    on_crease[creases.reshape(-1)] = True
-    areas = double_areas(positions[triangles])
-    total = float(areas.sum())
-    return float(areas[on_crease[triangles].all(axis=1)].sum()) / total if total > 0 else 0.0
-
-
 def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
     """A radius that sees the surface, as a share of the diagonal, and the smallest buffer with four texels in it."""
     diagonal = report["diagonal"]

@@ -7,7 +7,7 @@ import math
 from decimal import Decimal
 
 from .. import bridge
-from ..bridge import ParadescError, abi
+from ..bridge import ParadescError, unusable
 from .color_maps import Levels, Look
 from .job import Settings
 
@@ -42,8 +42,7 @@ def more_radii(group: object) -> tuple[float, ...]:
         if radius is None:
             continue
         if not (math.isfinite(radius) and radius > 0):
-            sentence = f'"{word.strip()}" in More Radii is not a positive number; separate numbers by commas.'
-            raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+            raise unusable(f'"{word.strip()}" in More Radii is not a positive number; separate numbers by commas.')
         radii.append(scaled_radius(group, radius))
     return tuple(radii)
 

@@ -29,7 +29,6 @@ class Errors:
     """Errors of one descriptor, in percent."""
 
     percent: np.ndarray  # (vertex_count,) NaN where left out
-    denominator: float
     spread: float = float("nan")  # the denominator as a share of the reference's largest value
 
 
@@ -61,7 +60,7 @@ def percent_errors(
     percent[both] = 100.0 * np.abs(values[both] - reference[both]) / scale
     percent[here != there] = UNDEFINED_ERROR
     percent[~with_face] = np.nan
-    return Errors(percent, scale, scale / largest if largest > 0 else float("nan"))
+    return Errors(percent, scale / largest if largest > 0 else float("nan"))
 
 
 def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarray, name: str) -> Errors:
@@ -80,7 +79,7 @@ def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarr
         weight = np.where(np.isfinite(angle), np.abs(k1 - k2), np.nan).astype(np.float64)
         mean = float(np.nanmean(weight)) if np.isfinite(weight).any() else 0.0
         angle *= weight / mean if mean > 0 else 1.0
-    return Errors(angle, 100.0)
+    return Errors(angle)
 
 
 def statistic(percent: np.ndarray, function: object, *arguments: float) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bridge import ParadescError, ProgressFunction, abi, origin
+from ..bridge import ProgressFunction, origin, unusable
 from .threads import go_on
 
 THRESHOLD = 0.05  # of the largest response
@@ -26,8 +26,7 @@ class Corners:
 def check_threshold(threshold: float) -> None:
     """Refuses a threshold that is not a share of the largest response; the library, which does not know it, cannot."""
     if not 0 < threshold <= 1:
-        sentence = f"The corner threshold is {threshold:g}; it must be above 0 and at most 1."
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(f"The corner threshold is {threshold:g}; it must be above 0 and at most 1.")
 
 
 def find_corners(
@@ -49,69 +48,47 @@ def find_corners(
         go_on(progress, "corners", 1.0)
 
     step()
-    order, begin, point = places(positions, step)
+    order, begin, point = places(positions)
     first = order[begin]
     value = np.maximum.reduceat(np.where(np.isfinite(response), response, -np.inf).astype(np.float64)[order], begin)
-    heights, of_places = Heights(value, first), point[triangles]
+    # A place is higher than another if its value is larger, or if it is equal and its vertex comes first.
+    rank = np.empty(len(first), np.int64)
+    rank[np.lexsort((-first, value))] = np.arange(len(first))
+    of_places = point[triangles]
     step()
     highest = value.max(initial=-np.inf)
     peak = (value > threshold * highest) & (value > 0)
-    leave_peaks(peak, heights, of_places, step)
+    leave_peaks(peak, rank, of_places, step)
     candidates = np.flatnonzero(peak)
     where = positions[first].astype(np.float64)
-    kept = candidates[~has_higher(candidates, heights, around(of_places, len(first), step), where, radius, step)]
-    kept = kept[np.lexsort((first[kept], -value[kept]))]
+    kept = candidates[~has_higher(candidates, rank, around(of_places, len(first), step), where, radius, step)]
+    kept = kept[np.argsort(-rank[kept])]
     painted = np.zeros(len(value), np.float32)
     painted[kept] = 1.0
     return Corners(first[kept].astype(np.int32), painted[point])
 
 
-def places(positions: np.ndarray, step: Callable[[], None]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def places(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices (n,) sorted so that those at one place follow each other, where each place begins, the place of each.
 
     Those at one place keep their order; places have none. positions (n, 3).
     """
-    bits = (origin.near_origin(positions) + np.float32(0)).view(np.uint32)  # + 0: -0 is 0
-    mixed = (bits * np.array([0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D], np.uint32)).sum(axis=1, dtype=np.uint32)
-    mixed ^= mixed >> 15
-    mixed *= np.uint32(0x2C1B3C6D)
-    parts = min(len(bits) // PART + 1, 1 << 16)
-    part = ((mixed >> 16) * np.uint64(parts) >> np.uint64(16)).astype(np.uint16)
-    order = np.argsort(part, kind="stable")
-    ends = np.cumsum(np.bincount(part, minlength=parts))
-    step()
-    for start, end in zip(ends - np.diff(ends, prepend=0), ends, strict=True):
-        own = order[start:end]
-        order[start:end] = own[np.lexsort(bits[own].T)]
-        step()
-    ordered = bits[order]
+    keys = origin.place_keys(origin.columns_of(positions))
+    order = np.argsort(keys, kind="stable")
     new = np.ones(len(order), bool)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    new[1:] = np.diff(keys[order]) != 0
     point = np.empty(len(order), np.int64)
     point[order] = np.cumsum(new) - 1
     return order, np.flatnonzero(new), point
 
 
-@dataclass
-class Heights:
-    """Orders places: the one with the larger value is higher, or with equal values the one whose vertex comes first."""
-
-    value: np.ndarray  # (place_count,) float64
-    first: np.ndarray  # (place_count,) the first vertex of each
-
-    def above(self, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """(n,) bool: whether each of the places (n,) is higher than the other (n,)."""
-        mine, theirs = self.value[ones], self.value[others]
-        return (mine > theirs) | ((mine == theirs) & (self.first[ones] < self.first[others]))
-
-
-def leave_peaks(peak: np.ndarray, heights: Heights, triangles: np.ndarray, step: Callable[[], None]) -> None:
+def leave_peaks(peak: np.ndarray, rank: np.ndarray, triangles: np.ndarray, step: Callable[[], None]) -> None:
     """Unmarks in peak (place_count,) bool every place that has a higher neighbor."""
     for start in range(0, len(triangles), PART):
         part = triangles[start : start + PART]
         for corner in range(3):
             ones, others = part[:, corner], part[:, corner - 1]
-            peak[np.where(heights.above(ones, others), others, ones)[ones != others]] = False
+            peak[np.where(rank[ones] > rank[others], others, ones)[ones != others]] = False
         step()
 
 
@@ -155,7 +132,7 @@ def around(triangles: np.ndarray, count: int, step: Callable[[], None]) -> Aroun
 
 def has_higher(
     candidates: np.ndarray,
-    heights: Heights,
+    rank: np.ndarray,
     beside: Around,
     where: np.ndarray,
     radius: float,
@@ -180,7 +157,7 @@ def has_higher(
         keys = np.unique(rows[back] * count + found)
         rows, found = np.divmod(keys, count)
         near = np.linalg.norm(where[found] - where[candidates[rows]], axis=1) <= radius
-        higher[rows[near & heights.above(found, candidates[rows])]] = True
+        higher[rows[near & (rank[found] > rank[candidates[rows]])]] = True
         fresh = keys[near & ~higher[rows]]
         fresh = np.setdiff1d(fresh, np.concatenate([ring, before]), assume_unique=True)
         waiting += [(fresh, ring)] if len(fresh) else []

@@ -5,7 +5,6 @@ the surface the texels are. So a layout in which each face has a single texel, a
 """
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -22,16 +21,6 @@ OF_UV_MAPS = (
     "zero_uv_area_triangles", "flipped_triangles", "charts", "seam_edges", "self_seam_edges", "unlinked_edges",
     "uv_remapped",
 )  # fmt: skip
-
-
-def run_where_asked(
-    arrays: MeshArrays,
-    settings: job.Settings,
-    progress: ProgressFunction | None = None,
-    sizes: np.ndarray | None = None,
-) -> job.Results:
-    """Computes at vertices by job.run(), or at faces by run(), as the settings say."""
-    return run(arrays, settings, progress, sizes) if settings.domain == "faces" else job.run(arrays, settings, progress)
 
 
 def run(
@@ -113,6 +102,10 @@ def at_faces(
     values = {name: picture.reshape(-1, *picture.shape[2:])[:count] for name, picture in found.maps.items()}
     coverages = [values.pop(name) for name in list(values) if name.startswith("coverage")]
     coverage = np.minimum.reduce(coverages)
+
+    def areas() -> np.ndarray:
+        return np.bincount(faces, advice.double_areas(laid.positions[laid.triangle_vertices]) / 2, count)
+
     given, options = settings.options, found.settings.options
     results = replace(
         found,
@@ -124,15 +117,10 @@ def at_faces(
         maps={},
         layout=None,
         corners=None,
-        areas_of=found.areas_of and partial(areas_of_faces, laid, faces, count),
+        areas_of=found.areas_of and areas,
     )
     results.field_report = {**found.field_report, "undefined_vertices": int(results.undefined.sum())}
     return results
-
-
-def areas_of_faces(laid: MeshArrays, faces: np.ndarray, count: int) -> np.ndarray:
-    """(count,) float64 areas of faces."""
-    return np.bincount(faces, advice.double_areas(laid.positions[laid.triangle_vertices]) / 2, count)
 
 
 def mask_of(at_corners: np.ndarray, coverage: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from operator import attrgetter
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
 from .. import bridge
-from ..bridge import ProgressFunction, abi, origin
+from ..bridge import ProgressFunction, origin
 from . import advice, balance, color_maps, contexts, fitting, mesh_faults
 from .color_maps import MASKS, Look, ValueRange, Weighted, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -79,16 +79,6 @@ class Transfer:
     images: dict[str, np.ndarray]  # each (N, N, 1 or 3) float32 over the UV map, rows from v = 0 up; NaN off it
 
 
-class OfTiles(Protocol):
-    """Evaluates one UDIM tile after another, so that only one tile's texels are in memory."""
-
-    def results_of(self, tile: int, progress: ProgressFunction | None) -> "Results":
-        """The results with the maps and images of this tile."""
-
-    def finish(self, results: "Results") -> None:
-        """Adds the tiles' counts, times and warnings to the results."""
-
-
 @dataclass
 class Results:
     """Everything that one bake leaves behind; in the domain of faces, they stand for vertices in all that follows."""
@@ -116,7 +106,9 @@ class Results:
     texel_values: dict[str, np.ndarray] = field(default_factory=dict)  # of masks in images, whose ranges follow from them
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
-    tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
+    # A TexelTiles or Projection, which makes maps and images of one UDIM tile after another, so that only one tile's
+    # texels are in memory; None if all of them are here already.
+    tiles: Any = None
 
     def of_tile(self, tile: int | None, progress: ProgressFunction | None = None) -> "Results":
         """The results with the maps and images of a tile; None stands for the only one."""
@@ -135,15 +127,10 @@ class Results:
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
 
     def weighted(self, name: str) -> Weighted:
-        """The values that tell the range, with the areas of those at the vertices."""
-        at_vertices = self.transfer is None and name not in self.texel_values
-        return self.telling(name), self.areas if at_vertices else None
-
-    def telling(self, name: str) -> np.ndarray:
-        """The values that the range follows from: of texels or detailed surfaces if there are any, else of vertices."""
+        """The values that the range follows from: of texels or detailed surfaces, else of vertices with their areas."""
         if name in self.texel_values:
-            return self.texel_values[name]
-        return self.values[name] if self.transfer is None else self.transfer.measured[name]
+            return self.texel_values[name], None
+        return (self.values[name], self.areas) if self.transfer is None else (self.transfer.measured[name], None)
 
     @property
     def areas(self) -> np.ndarray | None:
@@ -256,14 +243,12 @@ def check_descriptors(names: tuple[str, ...]) -> None:
     """Refuses an empty list, a name that the registry lacks, and one asked for twice."""
     known = [row.name for row in bridge.descriptors()]
     if not names:
-        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "No descriptor is chosen; choose at least one.")
+        raise bridge.unusable("No descriptor is chosen; choose at least one.")
     for name in names:
         if name not in known:
-            sentence = f'There is no descriptor "{name}"; choose from {", ".join(known)}.'
-            raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+            raise bridge.unusable(f'There is no descriptor "{name}"; choose from {", ".join(known)}.')
         if names.count(name) > 1:
-            sentence = f'The descriptor "{name}" is listed twice.'
-            raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+            raise bridge.unusable(f'The descriptor "{name}" is listed twice.')
 
 
 def run(
@@ -324,8 +309,7 @@ def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
     """Refuses arrays without UV coordinates where texture space is needed."""
     if arrays.corner_uvs is None and bridge.uses_texture_space(backend):
-        raise bridge.ParadescError(
-            abi.STATUS_INVALID_ARGUMENT,
+        raise bridge.unusable(
             "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
         )
 
@@ -350,20 +334,11 @@ def run_on(
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
         results.areas_of = partial(advice.areas_of_vertices, arrays)
-    add_corners(results, arrays, progress)
+    if (name := results.harris) is not None:
+        reach = WINDOW_REACH * settings.options.map_sigma * results.radius_of(name)
+        mesh_parts = arrays.positions, arrays.triangle_vertices, results.values[name]
+        results.corners = find_corners(*mesh_parts, reach, settings.corner_threshold, progress)
     return results
-
-
-def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:
-    """Finds corners if there are Harris responses; with several radii, in those of the first."""
-    name = results.harris
-    if name is None:
-        return
-    reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)
-    threshold = results.settings.corner_threshold
-    results.corners = find_corners(
-        arrays.positions, arrays.triangle_vertices, results.values[name], reach, threshold, progress
-    )
 
 
 def run_radii(
@@ -376,13 +351,12 @@ def run_radii(
     """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)
     if len(set(map(radius_suffix, radii))) < len(radii):
-        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is listed twice.")
-    results: Results | None = None
+        raise bridge.unusable("A radius is listed twice.")
     for index, radius in enumerate(radii):
         suffix = radius_suffix(radius) if len(radii) > 1 else ""
         options = replace(settings.options, radius=radius)
         with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii)), with_buffers) as found:
-            if results is None:
+            if index == 0:
                 results = Results(
                     settings=settings,
                     values={},
@@ -408,10 +382,16 @@ def run_radii(
 
 
 def part_of(progress: ProgressFunction | None, index: int, count: int, named: str = "") -> ProgressFunction | None:
-    """Turns the progress of one of several equal parts into that of the whole; named: before the names of its stages."""
+    """Turns the progress of one of several equal parts into that of the whole; named: begins the names of stages."""
     if progress is None:
         return None
     return lambda stage, fraction: progress(named + stage, (index + fraction) / count)
+
+
+def seconds_of(found: list[Results]) -> dict[str, float]:
+    """The times of several computations, summed."""
+    names = [name for name in found[0].field_report if name.startswith("seconds_")]
+    return {name: sum(one.field_report[name] for one in found) for name in names}
 
 
 def span_of(progress: ProgressFunction | None, first: float, last: float) -> ProgressFunction | None:

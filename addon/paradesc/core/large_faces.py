@@ -35,8 +35,9 @@ def share(positions: np.ndarray, triangles: np.ndarray) -> float:
     radius, _, _ = advice.fitted_radius(arrays, ("cavity",), "medium")
     lengths = np.linalg.norm(points[triangles] - points[np.roll(triangles, 1, axis=1)], axis=2)
     large = lengths.max(axis=1) > LARGE * radius
-    found = advice.share_of_large_faces(points, triangles[large], bent_edges(points, triangles))
-    return found * float(areas[large].sum() / areas.sum())
+    on_edge = np.zeros(len(points), bool)
+    on_edge[bent_edges(points, triangles)] = True
+    return float(areas[large & on_edge[triangles].all(axis=1)].sum() / areas.sum())
 
 
 def bent_edges(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -51,7 +51,10 @@ class Latest(Generic[Request, Result]):
         """Returns the outcome of the request under way if it has ended, else None, and starts the one that waits."""
         ended = None
         if self._worker is not None and (wait or self._worker.done):
-            ended = outcome_of(self._under_way, self._worker)
+            try:
+                ended = Outcome(self._under_way, self._worker.result())
+            except Exception as error:  # noqa: BLE001 (handed over to the thread that asks)
+                ended = Outcome(self._under_way, error=error)
             self._worker = self._under_way = None
         if self._worker is None and self._waiting is not None:
             self._under_way, self._waiting = self._waiting, None
@@ -66,14 +69,6 @@ class Latest(Generic[Request, Result]):
             self._worker.cancel()
             self._worker.join()
             self._worker = self._under_way = None
-
-
-def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Result]:
-    """The outcome of a worker that has ended: its result or its error."""
-    try:
-        return Outcome(request, worker.result())
-    except Exception as error:  # noqa: BLE001 (handed over to the thread that asks)
-        return Outcome(request, error=error)
 
 
 def is_cancelled(error: BaseException) -> bool:

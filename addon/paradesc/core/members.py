@@ -117,15 +117,11 @@ def with_unit(row: bridge.Descriptor) -> str:
     return row.description + (f" [{row.unit}]" if row.unit else "")
 
 
-def default_of(items: list[tuple], wanted: str) -> str:
-    """The wanted item if there is one, else the first."""
-    return wanted if any(item[0] == wanted for item in items) else items[0][0]
-
-
 def descriptor_members() -> dict[str, Member]:
     """The settings for the choice of descriptors."""
     items, maps, found = descriptor_items(), map_items(), options("analysis")
-    found["map_descriptor"].words.update(items=maps, default=default_of(maps, bridge.Options.map_descriptor))
+    usual = next((item for item in maps if item[0] == bridge.Options.map_descriptor), maps[0])
+    found["map_descriptor"].words.update(items=maps, default=usual[0])
     return {
         **found,
         "descriptors": member(

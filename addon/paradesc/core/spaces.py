@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bridge import MeshArrays, ParadescError, abi, origin
+from ..bridge import MeshArrays, origin, unusable
 
 # Scales along the axes count as equal if they differ by less than this share.
 EVEN = 1e-4
@@ -28,8 +28,7 @@ def check_scale(matrix: np.ndarray, name: str) -> None:
         found = scales(linear)
         if found[2] > 1e-7 * found[0]:
             return
-    sentence = f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.'
-    raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    raise unusable(f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.')
 
 
 def measured(
@@ -76,7 +75,7 @@ def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
             f'The object "{name}" is scaled differently along its axes, which displacement and normal maps cannot '
             "follow; apply the scale, or measure in object space."
         )
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(sentence)
     maps = arrays.maps
     maps.scale *= float(scales(linear).mean())
     if maps.corner_tangents is not None:

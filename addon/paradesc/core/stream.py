@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from .. import bridge
-from ..bridge import MeshArrays, ParadescError, abi, origin
+from ..bridge import MeshArrays, origin
 from . import job
 
 # The bound of native/src/mesh/halfedge.cpp: twice the area against the square of the longest edge.
@@ -87,14 +87,14 @@ class Stream(bridge.Closing):
         positions = np.asarray(positions)
         if positions.shape != self.arrays.positions.shape:
             wanted = len(self.arrays.positions)
-            raise refused(f"Positions have the shape {positions.shape}, but the mesh has {wanted} vertices.")
+            raise bridge.unusable(f"Positions have the shape {positions.shape}, but the mesh has {wanted} vertices.")
         positions = origin.near_origin(positions)
         maps = self.arrays.maps
         if self.settings.options.normals == "mesh" and corner_normals is None:
-            raise refused("The mesh's own normals are asked for; give those that belong to the positions.")
+            raise bridge.unusable("The mesh's own normals are asked for; give those that belong to the positions.")
         if maps is not None and maps.normals is not None:
             if corner_normals is None or corner_tangents is None:
-                raise refused("With a normal map, give the normals and tangents that belong to the positions.")
+                raise bridge.unusable("With a normal map, give the normals and tangents that belong to the positions.")
             maps = replace(maps, corner_tangents=corner_tangents)
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
@@ -132,9 +132,9 @@ class Contact:
     def __init__(self, arrays: MeshArrays) -> None:
         triangles = arrays.triangle_vertices.T.astype(np.intp)
         self.blocks = [np.ascontiguousarray(triangles[:, start : start + BLOCK]) for start in starts(triangles)]
-        columns = columns_of(arrays.positions)
+        columns = origin.columns_of(arrays.positions)
         _, first, group, count = np.unique(
-            place_keys(columns), return_index=True, return_inverse=True, return_counts=True
+            origin.place_keys(columns), return_index=True, return_inverse=True, return_counts=True
         )
         self.vertex_count, self.group_count = len(arrays.positions), len(first)
         shared = count[group] > 1
@@ -144,9 +144,9 @@ class Contact:
 
     def holds(self, positions: np.ndarray) -> bool:
         """Whether the same vertices coincide at these (vertex_count, 3) positions, and no other triangle is flat."""
-        columns = columns_of(positions)
+        columns = origin.columns_of(positions)
         together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
-        apart = distinct(place_keys(columns)) == self.group_count
+        apart = distinct(origin.place_keys(columns)) == self.group_count
         return together and apart and np.array_equal(self.flat, self.without_area(columns))
 
     def is_of_rounding(self, mesh_report: dict[str, float | int]) -> bool:
@@ -170,11 +170,6 @@ def starts(triangles: np.ndarray) -> range:
     return range(0, triangles.shape[1], BLOCK)
 
 
-def columns_of(positions: np.ndarray) -> np.ndarray:
-    """Turns (n, 3) into (3, n) float32 as the library gets them, each coordinate in a row."""
-    return np.ascontiguousarray(origin.near_origin(positions).T)
-
-
 def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(k,) squares of twice the area and of the longest edge of (3, k) triangles, precise as the (3, n) positions."""
     corners = [[column.take(vertices) for vertices in triangles] for column in columns]
@@ -188,16 +183,6 @@ def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarra
 def square_of(vectors: list[np.ndarray]) -> np.ndarray:
     """(k,) squares of the lengths of vectors whose three coordinates are (k,) each."""
     return vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]
-
-
-def place_keys(columns: np.ndarray) -> np.ndarray:
-    """(n,) uint64 that are equal if (3, n) positions are, and otherwise only by chance, once in 2^64."""
-    bits = (columns + np.float32(0)).view(np.uint32)  # adding zero makes -0 and 0 one
-    keys = np.zeros(bits.shape[1], np.uint64)
-    for axis in bits:
-        keys = (keys ^ axis) * np.uint64(0x9E3779B97F4A7C15)
-        keys ^= keys >> np.uint64(29)
-    return keys
 
 
 def distinct(keys: np.ndarray) -> int:
@@ -244,8 +229,3 @@ def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | N
         and same(first.normals, second.normals)
         and (first.midlevel, first.scale) == (second.midlevel, second.scale)
     )
-
-
-def refused(sentence: str) -> ParadescError:
-    """The error for positions or normals that a stream cannot use."""
-    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)

@@ -68,8 +68,7 @@ def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunctio
 
 def joined(results: job.Results, of_texels: job.Results) -> job.Results:
     """The results at vertices with the maps from texels, and the reports of both."""
-    one, other = results.field_report, of_texels.field_report
-    seconds = {name: one[name] + other[name] for name in one if name.startswith("seconds_")}
+    report = {**of_texels.field_report, **job.seconds_of([results, of_texels])}
     same = [line for line in of_texels.warnings if line not in results.warnings]
     return replace(
         results,
@@ -78,7 +77,7 @@ def joined(results: job.Results, of_texels: job.Results) -> job.Results:
         texel_values={name: of_texels.maps[name].ravel() for name in color_maps.MASKS & of_texels.maps.keys()},
         layout=of_texels.layout,
         unwrapped=of_texels.unwrapped,
-        field_report={**other, **seconds, "undefined_vertices": one["undefined_vertices"]},
+        field_report={**report, "undefined_vertices": results.field_report["undefined_vertices"]},
         warnings=[*results.warnings, *same],
     )
 
@@ -131,18 +130,16 @@ def with_charts_apart(arrays: MeshArrays, shown: np.ndarray | None = None) -> Me
 
 def uv_area(arrays: MeshArrays) -> float:
     """The share of the square that the triangles take in the UV map, those over each other counted each."""
-    one, other = edges(arrays.corner_uvs[arrays.triangle_corners])
-    return float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum() / 2)
+    return float(udim.areas(arrays.corner_uvs[arrays.triangle_corners]).sum() / 2)
 
 
 def least_texels_per_length(arrays: MeshArrays) -> float:
     """The length of a unit of the surface in the UV square where it is shrunk most, apart from a small share of it."""
+    corners, uvs = arrays.positions[arrays.triangle_vertices], arrays.corner_uvs[arrays.triangle_corners]
     (one, other), (u, v) = (
-        edges(corners)
-        for corners in (arrays.positions[arrays.triangle_vertices], arrays.corner_uvs[arrays.triangle_corners])
+        (part[:, 1] - part[:, 0], part[:, 2] - part[:, 0]) for part in (corners.astype(float), uvs.astype(float))
     )
-    area = np.linalg.norm(np.cross(one, other), axis=1)
-    in_map = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    area, in_map = advice.double_areas(corners), udim.areas(uvs)
     sound = (area > 0) & (in_map > 0)
     if not sound.any():
         return 0.0
@@ -156,9 +153,3 @@ def least_texels_per_length(arrays: MeshArrays) -> float:
     order = np.argsort(shrunk)
     reached = np.cumsum(area[order])
     return float(shrunk[order][np.searchsorted(reached, SHARE_BELOW * reached[-1])])
-
-
-def edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two edges (n, d) of each of (n, 3, d) triangles, from the first corner."""
-    corners = corners.astype(np.float64)
-    return corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

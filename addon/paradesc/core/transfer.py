@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .. import bridge
-from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi, unusable
 from . import job, spaces, texel_centers, udim
 from .job import Results, Transfer
 
@@ -159,8 +159,7 @@ def run(
 def check_cage(cage: float) -> None:
     """Refuses a cage that is not a distance."""
     if not (np.isfinite(cage) and cage >= 0):
-        sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 for the default."
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(f"The cage distance is {cage:g}; it must be a length above 0, or 0 for the default.")
 
 
 def memory_of_images(settings: job.Settings, size: int) -> int:
@@ -234,30 +233,23 @@ def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], n
     values = {name: hits.values(column) for name, column in surface.values.items()}
     coverage = values.pop("coverage")
     first = found[0]
-    undefined = np.zeros(len(coverage), bool)
-    for column in values.values():
-        undefined |= np.isnan(column.reshape(len(column), -1)).any(axis=1)
     warnings = [
         f'"{name}": {line}'
         for name, one in zip(names, found, strict=True)
         for line in (*one.warnings, *(one.facet_notes() if one is not first else []))  # the first's are added by all
     ]
-    return replace(
+    results = replace(
         first,
         values=values,
         coverage=np.nan_to_num(coverage),
         mask=np.where(hits.missed, abi.MASK_NO_FACE, 0).astype(np.uint8),
-        field_report={**first.field_report, "undefined_vertices": int(undefined.sum()), **summed(found)},
         warnings=list(dict.fromkeys(warnings)),
         unwrapped=None,
         corners=None,
     )
-
-
-def summed(found: list[Results]) -> dict[str, float]:
-    """The times of all computations, summed."""
-    names = [name for name in found[0].field_report if name.startswith("seconds_")]
-    return {name: sum(one.field_report[name] for one in found) for name in names}
+    undefined = int(results.undefined.sum())
+    results.field_report = {**first.field_report, "undefined_vertices": undefined, **job.seconds_of(found)}
+    return results
 
 
 def with_texels(rays: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -300,14 +292,13 @@ def add_sentences(results: Results, name: str) -> None:
     found = results.transfer
     sources = ", ".join(f'"{source}"' for source in found.sources)
     if found.texels == 0:
-        sentence = f'The UV map of "{name}" covers the center of no texel; raise the number of texels.'
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(f'The UV map of "{name}" covers the center of no texel; raise the number of texels.')
     if found.missed == found.texels:
         sentence = (
             f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects over '
             "each other, or raise the cage distance."
         )
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise unusable(sentence)
     results.notes.append(f"Measured on {sources}, at most {found.cage:.4g} away (the cage distance).")
     if not found.missed:
         return

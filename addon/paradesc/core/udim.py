@@ -3,7 +3,6 @@
 Tile 1001 + column + 10 row is the unit square that begins at (column, row); there are ten columns and a hundred rows.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -95,11 +94,6 @@ def blended(corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.einsum("kij,kjd->kid", shares, np.where(known[:, :, None], corners, 0.0))
 
 
-def name_of(columns: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """The numbers of the tiles in these columns and rows."""
-    return FIRST + columns + COLUMNS * rows
-
-
 def square_of(tile: int) -> np.ndarray:
     """(2,) the column and the row of a tile."""
     return np.array([(tile - FIRST) % COLUMNS, (tile - FIRST) // COLUMNS])
@@ -121,8 +115,9 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling()
     if in_first(uvs):
         return Tiling(first=True)
-    if counts(uvs).max() > MOST_TILES:
-        return Tiling(why=too_many(int(counts(uvs).max())))
+    met = boxes(uvs)[1].astype(np.float64).prod(axis=1).max()  # in floats, which do not overflow
+    if met > MOST_TILES:
+        return Tiling(why=too_many(int(met)))
     sure = middles(uvs)
     inside = in_tiles(sure)
     if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at each
@@ -135,7 +130,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     real = deep(uvs[triangles] - squares[:, None], number, len(places))
     found = places[real]
     inside = in_tiles(found)
-    tiles = np.sort(name_of(*found[inside].T))
+    tiles = np.sort(FIRST + found[inside] @ (1, COLUMNS))
     if not inside.all():
         return Tiling(why=OUTSIDE if (tiles != FIRST).any() else "")
     if len(tiles) > MOST_TILES:
@@ -179,25 +174,15 @@ def middles(uvs: np.ndarray) -> np.ndarray:
     return squares[more_than_spilled(low, high)].astype(np.int64)
 
 
-def first_squares(uvs: np.ndarray) -> np.ndarray:
-    """(n, 2) the squares in which the boxes around (n, 3, 2) triangles begin."""
-    return np.floor(uvs.min(axis=1)).astype(np.int64)
-
-
-def spans(uvs: np.ndarray) -> np.ndarray:
-    """(n, 2) how many columns and rows of squares the boxes around (n, 3, 2) triangles meet."""
-    ends = np.ceil(uvs.max(axis=1)).astype(np.int64)
-    return np.maximum(ends - first_squares(uvs), 1)
-
-
-def counts(uvs: np.ndarray) -> np.ndarray:
-    """(n,) how many squares the boxes around (n, 3, 2) triangles meet, as floats, which do not overflow."""
-    return spans(uvs).astype(np.float64).prod(axis=1)
+def boxes(uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2) the squares in which boxes around (n, 3, 2) triangles begin, and how many columns and rows they meet."""
+    first = np.floor(uvs.min(axis=1)).astype(np.int64)
+    return first, np.maximum(np.ceil(uvs.max(axis=1)).astype(np.int64) - first, 1)
 
 
 def meetings(uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(k,) triangles and (k, 2) squares that have an area in common; each of (n, 3, 2) triangles has one at least."""
-    first, span = first_squares(uvs), spans(uvs)
+    first, span = boxes(uvs)
     count = span.prod(axis=1)
     triangles = np.repeat(np.arange(len(uvs)), count)
     step = np.arange(len(triangles)) - np.repeat(np.cumsum(count) - count, count)
@@ -284,18 +269,12 @@ def beside(
         both = np.take_along_axis(both, turn[:, :, None], axis=1)
         share = own[:, :1] / (own[:, :1] - own[:, 1:])  # of the way from the first corner to the line
         met = both[:, :1] + share[:, :, None] * (both[:, 1:] - both[:, :1])
-        for corners in faces(both, met, inside):
+        rest = [(both[:, 0], met[:, 0], met[:, 1])]  # of the triangle, inside
+        if inside == 2:
+            rest = [(met[:, 0], both[:, 1], both[:, 2]), (met[:, 0], both[:, 2], met[:, 1])]
+        for corners in (np.stack(three, axis=1) for three in rest):
             parts.append((number[chosen], corners[:, :, :2], corners[:, :, 2:]))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
-
-
-def faces(corners: np.ndarray, met: np.ndarray, inside: int) -> Iterator[np.ndarray]:
-    """(k, 3, d) triangles of the rest of cut triangles, where either the first corner or the two others are inside."""
-    if inside == 1:
-        yield np.stack([corners[:, 0], met[:, 0], met[:, 1]], axis=1)
-        return
-    yield np.stack([met[:, 0], corners[:, 1], corners[:, 2]], axis=1)
-    yield np.stack([met[:, 0], corners[:, 2], met[:, 1]], axis=1)
 
 
 def unshared(arrays: MeshArrays, corner_uvs: np.ndarray | None = None) -> MeshArrays:

@@ -12,7 +12,9 @@ def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
         return "has no UV map"
     if not np.isfinite(uvs).all():
         return "has a UV map with coordinates that are not finite"
-    if len(triangle_corners) and not has_uv_area(uvs, triangle_corners):
+    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
+    parts = triangle_corners[::16], triangle_corners  # usually a part of them suffices to tell
+    if len(triangle_corners) and all(np.count_nonzero(uv_areas(uvs, part)) < needed for part in parts):
         return "has a UV map without area"
     return ""
 
@@ -23,13 +25,6 @@ def with_others(reason: str, sound: list[str]) -> str:
         return reason
     names = " and ".join(f'"{name}"' for name in sound)
     return f"{reason} (its other {names} can be used: make it the active one)"
-
-
-def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
-    """Whether enough triangles have an area in the UV map; usually a part of them suffices to tell."""
-    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
-    parts = (triangle_corners[::16], triangle_corners)
-    return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
 
 
 def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:

@@ -229,7 +229,8 @@ def check_header(header: object, path: Path) -> None:
     need(isinstance(header, dict) and isinstance(header.get("info"), dict), "its header is none")
     version, frame, count, counts = (header[name] for name in ("version", "frame", "vertex_count", "counts"))
     need(type(version) is int and version == VERSION, f"it has version {version}, and this Paradesc reads {VERSION}")
-    need(all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input")), "its key is none")
+    keys = header["key"], header["input"]
+    need(all(isinstance(key, str) and len(key) <= 128 for key in keys), "its key is none")
     named = FILE_NAME.fullmatch(path.name)
     need(is_whole(frame, -LAST_FRAME, LAST_FRAME), "its frame is wrong")
     need(not named or int(named[1]) == frame, f"it holds frame {frame}")

@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from .. import __version__
 from ..bridge import METHODS, Closing, InputError, MeshArrays, ParadescError, ProgressFunction, abi
@@ -18,13 +18,6 @@ from ..core.stream import Stream
 from . import cache
 
 CPU_METHOD = METHODS["cpu"]
-
-
-class Reading(Protocol):
-    """A mesh to measure: that of a file, or source_meshes.Reading."""
-
-    arrays: MeshArrays
-    own: bool  # its vertices are the base's
 
 
 @dataclass
@@ -44,7 +37,7 @@ class Task:
     """One frame, read, to be computed and written."""
 
     frame: int
-    reading: Reading
+    reading: Any  # FileReading or source_meshes.Reading: arrays, and own: whether its vertices are the base's
     input: str
     seconds: dict[str, float]
 
@@ -92,7 +85,7 @@ class Baker(Closing):
         """Reads the mesh of a frame; None if its file exists already."""
         raise NotImplementedError
 
-    def on_base(self, results: job.Results, _reading: Reading) -> job.Results:
+    def on_base(self, results: job.Results, _reading: object) -> job.Results:
         """The results at the vertices for which frames store values."""
         return results
 
@@ -113,7 +106,9 @@ class Baker(Closing):
         own = self.request.settings.backend
         if own != "auto":
             return own
-        animation = self.make_key("", without_layout(self.base))
+        # Without a layout made for the computation, as some methods need one and others do not.
+        plain = self.base if self.base.layout is None else replace(self.base, corner_uvs=None, layout=None)
+        animation = self.make_key("", plain)
         method = cache.settled_method(self.request.folder, animation, self.method)
         if method == self.method:
             return own
@@ -125,11 +120,7 @@ class Baker(Closing):
         rest = digest(base.positions) if self.request.relative else ""
         images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
         more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
-        return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
-
-    def names(self) -> list[str]:
-        """The names of the values, with the radii that were asked for."""
-        return self.request.settings.value_names()
+        return cache.key_of(base, self.stream.settings, method, names=self.request.settings.value_names(), **more)
 
     def is_kept(self, frame: int, content: str) -> bool:
         """Whether the frame exists already with the same key and input."""
@@ -165,7 +156,7 @@ class Baker(Closing):
         """The content of a frame's file."""
         found = self.on_base(results, task.reading)
         values, radius = {}, {}
-        for asked, name in zip(self.names(), found.settings.value_names(), strict=True):
+        for asked, name in zip(self.request.settings.value_names(), found.settings.value_names(), strict=True):
             values[asked] = found.values[name]
             radius[asked] = results.radius_of(name)
             if rest is not None and found.values[name].ndim == 1:
@@ -188,11 +179,6 @@ class Baker(Closing):
     def close(self) -> None:
         """Frees the device."""
         self.stream.close()
-
-
-def without_layout(arrays: MeshArrays) -> MeshArrays:
-    """The mesh without a layout made for the computation, as some methods need one and others do not."""
-    return arrays if arrays.layout is None else replace(arrays, corner_uvs=None, layout=None)
 
 
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:

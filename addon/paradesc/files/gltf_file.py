@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.polygons import PolygonMesh, vertices_at
+from ..core.polygons import PolygonMesh, triangles_of_fan, triangles_of_strips, vertices_at
 from .paths import is_file
-from .strips import triangles_of_fan, triangles_of_strips
 
 # These change no position and no face, so that a file that requires them can be read without them.
 HARMLESS = (
@@ -249,7 +248,10 @@ def part_of(document: Document, number: int, shared: set[int]) -> PolygonMesh:
             raise UnknownError(f"it is compressed ({compressed[0]}); export it without compression")
         if table not in tables:
             begin = sum(len(points) for _, points in tables.values())
-            tables[table] = begin, positions(document.accessor(table))
+            found = document.accessor(table)
+            if found.shape[1] != 3:
+                raise ValueError("positions have not three coordinates")
+            tables[table] = begin, found.astype(np.float32)
         begin, points = tables[table]
         local = faces(document, primitive, len(points))
         triangles.append(local + begin)
@@ -265,13 +267,6 @@ def part_of(document: Document, number: int, shared: set[int]) -> PolygonMesh:
         uvs_whole = uvs_whole * np.float32([1, -1]) + np.float32([0, 1])  # whose origin is the upper left corner
     corners, sizes = whole.reshape(-1).astype(np.int32), np.full(len(whole), 3, np.int64)
     return PolygonMesh(points, corners, sizes, uvs_whole, of_all(normals))
-
-
-def positions(values: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 of an accessor."""
-    if values.shape[1] != 3:
-        raise ValueError("positions have not three coordinates")
-    return values.astype(np.float32)
 
 
 def faces(document: Document, primitive: dict, vertex_count: int) -> np.ndarray:

@@ -145,9 +145,7 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    before = BEGINNING if udim.of_mesh(arrays).tiles else COMPUTING
-    found = computed(stem, arrays, settings, choice, job.span_of(progress, 0.0, before))
-    return packed(found, choice, job.span_of(progress, before, 1.0))
+    return made_by(partial(computed, stem, arrays, settings, choice), arrays, choice, progress)
 
 
 def run_onto(
@@ -160,9 +158,19 @@ def run_onto(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Makes the textures of detailed surfaces over the UV map of a low-poly one; cage: as transfer.run() takes it."""
-    before = BEGINNING if udim.of_mesh(low.arrays).tiles else COMPUTING
-    found = computed_onto(stem, low, highs, settings, choice, cage, job.span_of(progress, 0.0, before))
-    return packed(found, choice, job.span_of(progress, before, 1.0))
+    compute = partial(computed_onto, stem, low, highs, settings, choice, cage)
+    return made_by(compute, low.arrays, choice, progress)
+
+
+def made_by(
+    compute: Callable[[ProgressFunction | None], Computed],
+    arrays: MeshArrays,
+    choice: Choice,
+    progress: ProgressFunction | None,
+) -> Textures:
+    """Computes, and draws and packs the textures."""
+    before = BEGINNING if udim.of_mesh(arrays).tiles else COMPUTING
+    return packed(compute(job.span_of(progress, 0.0, before)), choice, job.span_of(progress, before, 1.0))
 
 
 def computed(
@@ -241,13 +249,9 @@ def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | N
 
 def joined(found: list[job.Results]) -> job.Results:
     """The results of several computations as one: the first one's reports, and the times, notes and warnings of all."""
-    first = found[0]
-    seconds = {
-        name: sum(one.field_report[name] for one in found) for name in first.field_report if name.startswith("seconds_")
-    }
     return replace(
-        first,
-        field_report={**first.field_report, **seconds},
+        found[0],
+        field_report={**found[0].field_report, **job.seconds_of(found)},
         notes=list(dict.fromkeys(note for one in found for note in one.notes)),
         warnings=list(dict.fromkeys(warning for one in found for warning in one.warnings)),
     )
@@ -299,7 +303,7 @@ def encoded(
     if transparent and len(sources) < len(CHANNELS):
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
-    content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
+    content = png.encode_png(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
     return Encoded(content, scales, pixels.covered, dark, bright)
 
 

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from .. import bridge
-from ..bridge import abi
 from ..core import color_maps, udim
-from . import exr, mask_image, png, tile_names
+from . import mask_image, png, tile_names
 from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
@@ -23,7 +22,7 @@ def user_uvs(baked: Baked) -> np.ndarray:
     if baked.arrays.corner_uvs is None:
         lacking = baked.arrays.map_fault
         sentence = f"The mesh {lacking}, and an image needs a usable one that is active; unwrap it, or choose another."
-        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise bridge.unusable(sentence)
     return baked.arrays.corner_uvs[baked.arrays.triangle_corners]
 
 
@@ -88,11 +87,6 @@ def channels_of(baked: Baked, shown: udim.Cut | None = None) -> dict[str, np.nda
     return channels
 
 
-def write_exr(path: Path, baked: Baked, shown: udim.Cut | None = None) -> None:
-    """Writes every descriptor into one EXR file."""
-    exr.write_exr(path, channels_of(baked, shown))
-
-
 def png_paths(path: Path, names: list[str]) -> dict[str, Path]:
     """The path of each descriptor's PNG: the given path if there is one descriptor, else <stem>_<descriptor>.png."""
     if len(names) == 1:
@@ -142,7 +136,7 @@ def write_png(
     low, high = stored_range(image, image.shape[2]) if ends is None else ends
     share = np.clip((bridge.fill_gutter(image, GUTTER)[::-1].astype(np.float64) - low) / (high - low), 0.0, 1.0)
     meaning = mask_image.Scale(low, high, outside=0).meaning(name, baked.unit(name))
-    png.write_png16(path, np.round(mask_image.WHOLE * share).astype(np.uint16), {"Description": meaning})
+    png.write_png(path, np.round(mask_image.WHOLE * share).astype(np.uint16), {"Description": meaning})
     return {"descriptor": name, "minimum": low, "maximum": high}
 
 
@@ -156,13 +150,6 @@ def chart_colors(charts: np.ndarray) -> np.ndarray:
     return np.where(number[..., None] < 0, 0.12, colors[np.maximum(number, 0)])
 
 
-def widened(numbers: np.ndarray) -> np.ndarray:
-    """Makes (N, N) numbers (-1 for none) a texel wider on every side, because a line of one texel is hard to see."""
-    padded = np.pad(numbers, 1, constant_values=-1)
-    height, width = numbers.shape
-    return np.max([padded[y : y + height, x : x + width] for y in range(3) for x in range(3)], axis=0)
-
-
 def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
     """Every buffer and descriptor as (N, N, 3) display colors, rows from v = 0 up."""
     buffers = baked.results.buffers
@@ -170,7 +157,9 @@ def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
     position = buffers["position"]
     low, high = np.nanmin(position, axis=(0, 1)), np.nanmax(position, axis=(0, 1))
     dim = 0.25 * chart_colors(buffers["chart"])
-    neighbor = widened(buffers["neighbor"])
+    # Lines are made a texel wider on every side, because a line of one texel is hard to see.
+    wide = np.lib.stride_tricks.sliding_window_view(np.pad(buffers["neighbor"], 1, constant_values=-1), (3, 3))
+    neighbor = wide.max(axis=(2, 3))
     stretch = buffers["distortion"][:, :, :2]
     largest = np.nanpercentile(stretch, 97.5)
     angle = np.mod(buffers["distortion"][:, :, 2:3] / np.pi, 1.0)  # a line's: half a turn changes nothing
@@ -193,7 +182,8 @@ def write_buffers(folder: Path, baked: Baked) -> list[Path]:
     """Writes buffers.npz, rows from v = 0 up, and a PNG of every buffer and descriptor; returns their paths."""
     folder.mkdir(exist_ok=True)
     paths = [folder / "buffers.npz"]
-    write_whole(paths[0], baked, write_raw_buffers)
+    content = {**baked.results.buffers, "layout": baked.results.layout, **baked.results.maps}
+    write_whole(paths[0], content, write_arrays)
     for name, view in pictures_of(baked).items():
         paths.append(folder / f"{name}.png")
         pixels = np.round(255 * np.clip(np.nan_to_num(view[::-1]), 0.0, 1.0)).astype(np.uint8)
@@ -201,7 +191,7 @@ def write_buffers(folder: Path, baked: Baked) -> list[Path]:
     return paths
 
 
-def write_raw_buffers(path: Path, baked: Baked) -> None:
-    """Writes the baked buffers, the layout and the maps as a .npz file."""
+def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """Writes arrays as a packed .npz file."""
     with path.open("wb") as file:
-        np.savez_compressed(file, **baked.results.buffers, layout=baked.results.layout, **baked.results.maps)
+        np.savez_compressed(file, **arrays)

@@ -14,14 +14,3 @@ def is_file(path: Path) -> bool:
 def is_folder(path: Path) -> bool:
     """Whether there is a folder."""
     return os.path.isdir(path)
-
-
-def name_fault(path: Path) -> str:
-    """The reason why no file can have this name, or ""."""
-    try:
-        path.lstat()
-    except (FileNotFoundError, NotADirectoryError):
-        return ""
-    except (OSError, ValueError) as error:
-        return str(getattr(error, "strerror", None) or error)
-    return ""

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, vertices_at
-from .strips import triangles_of
+from ..core.polygons import PolygonMesh, triangles_of, vertices_at
 from .text_rows import MARK, listed, plain, rows_of, shown
 
 KINDS = {

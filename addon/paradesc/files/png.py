@@ -9,9 +9,9 @@ import numpy as np
 from ..core import threads
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
-EIGHT_BITS, SIXTEEN_BITS, RGB = 8, 16, 2
-# The color type of 16-bit images by the number of their channels: grey, grey and alpha, RGB, RGBA.
-COLOR_TYPES = {1: 0, 2: 4, 3: RGB, 4: 6}
+BITS = {np.dtype(np.uint8): 8, np.dtype(np.uint16): 16}
+# The color type of images by the number of their channels: grey, grey and alpha, RGB, RGBA.
+COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}
 # Rows are stored as differences from the row above, which halves the size of shaded pictures.
 UP_FILTER = 2
 # Rows of large textures that one thread packs, and how hard: half as large again is written three times as fast.
@@ -23,45 +23,37 @@ def chunk(kind: bytes, content: bytes) -> bytes:
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
 
-def encode_png(image: np.ndarray) -> bytes:
-    """(height, width, 3) uint8 display colors, top row first, as the bytes of a PNG file."""
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
-        raise ValueError(f"an image is (height, width, 3) uint8, not {image.shape} {image.dtype}")
-    height, width, _ = image.shape
-    rows = np.full((height, 1 + 3 * width), UP_FILTER, np.uint8)  # each row starts with its filter type
-    flat = image.reshape(height, -1)
-    rows[:, 1:] = flat
-    rows[1:, 1:] -= flat[:-1]  # modulo 256, as the specification has it
-    header = struct.pack(">IIBBBBB", width, height, EIGHT_BITS, RGB, 0, 0, 0)
-    content = zlib.compress(rows.tobytes(), 6)
-    return SIGNATURE + chunk(b"IHDR", header) + chunk(b"IDAT", content) + chunk(b"IEND", b"")
-
-
-def encode_png16(image: np.ndarray, texts: dict[str, str], quick: bool = False) -> bytes:
-    """(height, width, 1 to 4) uint16, top row first, as the bytes of a PNG file; texts: ASCII, by keyword.
+def encode_png(image: np.ndarray, texts: dict[str, str] | None = None, quick: bool = False) -> bytes:
+    """(height, width, 1 to 4) uint8 or uint16, top row first, as the bytes of a PNG file; texts: ASCII, by keyword.
 
     quick: packs less tightly, on several threads.
     """
-    if image.dtype != np.uint16 or image.ndim != 3 or image.shape[2] not in COLOR_TYPES:
-        raise ValueError(f"an image is (height, width, 1 to 4) uint16, not {image.shape} {image.dtype}")
+    if image.dtype not in BITS or image.ndim != 3 or image.shape[2] not in COLOR_TYPES:
+        raise ValueError(f"an image is (height, width, 1 to 4) uint8 or uint16, not {image.shape} {image.dtype}")
     height, width, channels = image.shape
-    header = struct.pack(">IIBBBBB", width, height, SIXTEEN_BITS, COLOR_TYPES[channels], 0, 0, 0)
-    # A texture is data, so it gets a gamma of 1: otherwise programs that apply gamma would change the values.
-    notes = b"".join(chunk(b"tEXt", f"{key}\0{text}".encode("latin-1")) for key, text in texts.items())
-    content = packed_quickly(image) if quick else zlib.compress(filtered_rows(image).tobytes(), 6)
-    start = SIGNATURE + chunk(b"IHDR", header) + chunk(b"gAMA", struct.pack(">I", 100000))
-    return start + notes + chunk(b"IDAT", content) + chunk(b"IEND", b"")
+    parts = [chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, BITS[image.dtype], COLOR_TYPES[channels], 0, 0, 0))]
+    if image.dtype == np.uint16:
+        # A texture is data, so it gets a gamma of 1: otherwise programs that apply gamma would change the values.
+        parts.append(chunk(b"gAMA", struct.pack(">I", 100000)))
+    parts += [chunk(b"tEXt", f"{key}\0{text}".encode("latin-1")) for key, text in (texts or {}).items()]
+    parts.append(chunk(b"IDAT", packed_quickly(image) if quick else zlib.compress(filtered_rows(image).tobytes(), 6)))
+    return b"".join([SIGNATURE, *parts, chunk(b"IEND", b"")])
 
 
 def filtered_rows(image: np.ndarray, above: np.ndarray | None = None) -> np.ndarray:
-    """(height, bytes) of (height, width, c) uint16: in each row its filter, then its difference from the one above."""
-    flat = image.astype(">u2").reshape(len(image), -1).view(np.uint8)
+    """(height, bytes) of an image: in each row its filter, then its difference from the one above, modulo 256."""
+    flat = bytes_of(image)
     rows = np.full((len(image), 1 + flat.shape[1]), UP_FILTER, np.uint8)
     rows[:, 1:] = flat
     rows[1:, 1:] -= flat[:-1]
     if above is not None:
-        rows[0, 1:] -= above.astype(">u2").reshape(-1).view(np.uint8)
+        rows[0, 1:] -= bytes_of(above[None])[0]
     return rows
+
+
+def bytes_of(image: np.ndarray) -> np.ndarray:
+    """(height, bytes) of the rows of an image, as PNG orders them."""
+    return image.astype(image.dtype.newbyteorder(">")).reshape(len(image), -1).view(np.uint8)
 
 
 def packed_quickly(image: np.ndarray) -> bytes:
@@ -82,11 +74,6 @@ def packed_quickly(image: np.ndarray) -> bytes:
     return b"".join([*parts, struct.pack(">I", checksum)])
 
 
-def write_png16(path: Path, image: np.ndarray, texts: dict[str, str]) -> None:
-    """Writes a (height, width, 1 to 4) uint16 image with its texts."""
-    path.write_bytes(encode_png16(image, texts))
-
-
-def write_png(path: Path, image: np.ndarray) -> None:
-    """Writes a (height, width, 3) uint8 image."""
-    path.write_bytes(encode_png(image))
+def write_png(path: Path, image: np.ndarray, texts: dict[str, str] | None = None) -> None:
+    """Writes an image with its texts."""
+    path.write_bytes(encode_png(image, texts))

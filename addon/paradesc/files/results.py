@@ -15,8 +15,7 @@ from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
 from ..core.distributions import statistics
-from ..core.job import Results, Transfer
-from .paths import name_fault
+from ..core.job import Results
 
 # File names may contain bytes that are not valid text; this error handler lets JSON write them.
 ESCAPED = "backslashreplace"
@@ -136,17 +135,12 @@ def joined(baked: list[Baked]) -> Baked:
         np.concatenate(triangle_corners),
     )
     coverage = np.concatenate([one.results.coverage for one in baked])
-    whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=joined_transfer(baked))
+    transfers, transfer = [one.results.transfer for one in baked], first.transfer
+    if transfer is not None:  # for a common range of colors; there is no common image
+        measured = {name: np.concatenate([one.measured[name] for one in transfers]) for name in transfer.measured}
+        transfer = replace(transfer, measured=measured, images={})
+    whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=transfer)
     return Baked(", ".join(one.object_name for one in baked), whole, arrays, np.eye(4))
-
-
-def joined_transfer(baked: list[Baked]) -> Transfer | None:
-    """The transfers of several objects as one, for a common range of colors; there is no common image."""
-    found = [one.results.transfer for one in baked]
-    if found[0] is None:
-        return None
-    measured = {name: np.concatenate([one.measured[name] for one in found]) for name in found[0].measured}
-    return replace(found[0], measured=measured, images={})
 
 
 def world_values(baked: Baked, name: str) -> np.ndarray:
@@ -173,6 +167,9 @@ def report(baked: Baked) -> dict[str, object]:
             "radius": results.radius_of(name),
             "unit": baked.unit(name),
         }
+    # The sources of transferred values, and how many texels met none of them.
+    names = ("sources", "cage", "texels", "missed")
+    met = {} if results.transfer is None else {"transfer": {name: getattr(results.transfer, name) for name in names}}
     return {
         "object": baked.object_name,
         "mesh_report": results.mesh_report,
@@ -180,18 +177,10 @@ def report(baked: Baked) -> dict[str, object]:
         "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
         "descriptors": ranges,
         "corners": listed_corners(baked),
-        **transfer_report(results.transfer),
+        **met,
         "notes": baked.notes,
         "warnings": results.warnings,
     }
-
-
-def transfer_report(transfer: Transfer | None) -> dict[str, object]:
-    """The sources of transferred values, and how many texels met none of them; empty for a bake of the mesh itself."""
-    if transfer is None:
-        return {}
-    names = ("sources", "cage", "texels", "missed")
-    return {"transfer": {name: getattr(transfer, name) for name in names}}
 
 
 def listed_corners(baked: Baked) -> list[dict[str, object]]:
@@ -217,16 +206,15 @@ def json_text(content: object, ascii_only: bool = False) -> str:
     return json.dumps(finite_only(content), indent=2, ensure_ascii=ascii_only) + "\n"
 
 
-def part_path(path: Path) -> Path:
-    """A temporary path beside the final one, different for every writer."""
-    return path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")
-
-
 def place_fault(path: Path) -> str:
     """One sentence about why a path cannot be written, because of its name or its folder, or ""."""
-    fault, folder = name_fault(path), path.absolute().parent
-    if fault:
-        return f'"{path}" cannot be written: {fault}.'
+    folder = path.absolute().parent
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (OSError, ValueError) as error:
+        return f'"{path}" cannot be written: {getattr(error, "strerror", None) or error}.'
     return "" if folder.is_dir() else f'There is no folder "{folder}" to write "{path.name}" into.'
 
 
@@ -259,7 +247,7 @@ def make_folder(folder: Path) -> None:
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes a temporary file beside the path first, so that a failure leaves no half file and keeps an old one."""
-    temporary = part_path(path)
+    temporary = path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")  # one for each writer
     try:
         writer(temporary, content)
         temporary.replace(path)

@@ -7,7 +7,6 @@ import numpy as np
 
 from ..bridge import origin
 from ..core.polygons import PolygonMesh
-from ..core.stream import columns_of, place_keys
 from .text_rows import MARK, no_numbers, numbers_in, plain, shown
 
 HEADER = 84  # bytes before the first triangle, the last four of which are their number
@@ -81,7 +80,7 @@ def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
 def weld(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The places of (n, 3) corners in order of first use, (k, 3), and which of them each corner is at, (n,)."""
     near = origin.near_origin(corners)
-    _, first, group = np.unique(place_keys(columns_of(near)), return_index=True, return_inverse=True)
+    _, first, group = np.unique(origin.place_keys(origin.columns_of(near)), return_index=True, return_inverse=True)
     if not np.array_equal(near[first][group], near):  # two places have one key, or are not finite
         _, first, group = np.unique(near, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, Polygons, listed_polygons, vertices_at
-from .strips import triangles_of
+from ..core.polygons import PolygonMesh, Polygons, listed_polygons, triangles_of, vertices_at
 from .text_rows import numbers_in, plain, shown
 
 BEGIN = re.compile(
@@ -96,7 +95,10 @@ def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Polygons]]:
             break
         try:
             if keyword == b"DATASET":
-                check_kind(words[1])
+                kind = words[1]
+                if kind.upper() != b"POLYDATA":  # of a grid only VTK itself knows the surface
+                    said = f"it holds a {shown(kind).upper()}, and no surface (POLYDATA)"
+                    raise ValueError(f"{said}; extract its surface and save that")
             elif keyword == b"METADATA":
                 pass_metadata(file)
             elif keyword == b"FIELD":
@@ -110,13 +112,6 @@ def parts(file: Content) -> tuple[np.ndarray | None, dict[bytes, Polygons]]:
         except IndexError:
             raise ValueError(f'its line "{shown(b" ".join(words))}" is not complete') from None
     return points, cells
-
-
-def check_kind(kind: bytes) -> None:
-    """Refuses grids, of which only VTK itself knows the surface."""
-    if kind.upper() != b"POLYDATA":
-        sentence = f"it holds a {shown(kind).upper()}, and no surface (POLYDATA)"
-        raise ValueError(f"{sentence}; extract its surface and save that")
 
 
 def count_of(word: bytes) -> int:

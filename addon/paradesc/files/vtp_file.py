@@ -14,8 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, Polygons, vertices_at
-from .strips import triangles_of
+from ..core.polygons import PolygonMesh, Polygons, triangles_of, vertices_at
 from .text_rows import numbers_in
 from .vtk_legacy_file import sizes_between
 
@@ -107,19 +106,14 @@ class Document:
             wanted = last if last and number == blocks - 1 else size
             if wanted > MOST * length + MOST:
                 raise ValueError("it promises more than what is packed in it can be")
-            found.append(inflated(taken(body, at, length), max(wanted, 1)))
+            try:
+                found.append(zlib.decompressobj().decompress(taken(body, at, length), max(wanted, 1)))
+            except zlib.error as error:
+                raise ValueError("it is damaged") from error
             if len(found[-1]) != wanted:
                 raise ValueError("what is packed in it is not as long as it promises; it was cut off, or damaged")
             at += length
         return b"".join(found)
-
-
-def inflated(packed: bytes, size: int) -> bytes:
-    """The first bytes of zlib's output, at most size; raises ValueError if the input is damaged."""
-    try:
-        return zlib.decompressobj().decompress(packed, size)
-    except zlib.error as error:
-        raise ValueError("it is damaged") from error
 
 
 def read(path: Path) -> PolygonMesh | None:

@@ -36,7 +36,10 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
     radii = radii_of(radius)
     options = {name: option_of(name, value) for name, value in given.items() if name in DEFAULTS}
     machine = {name: whole_number(name, given[name]) for name in WHOLE if name in given}
-    check_machine(machine)
+    for name, value in machine.items():
+        least = -1 if name == "device_index" else 0
+        if not least <= value <= WHOLE[name]:
+            raise InputError(f"{name} is {shown(value)}; it has to be between {least} and {WHOLE[name]}.")
     if "corner_threshold" in given:
         machine["corner_threshold"] = real_number("corner_threshold", given["corner_threshold"])
         check_threshold(machine["corner_threshold"])
@@ -129,14 +132,6 @@ def whole_number(name: str, value: object) -> int:
     if not isinstance(value, Integral) or isinstance(value, bool):
         raise InputError(f"{name} is {shown(value)}; a whole number is needed.")
     return int(value)
-
-
-def check_machine(machine: dict[str, int]) -> None:
-    """Refuses numbers that are out of range."""
-    for name, value in machine.items():
-        least = -1 if name == "device_index" else 0
-        if not least <= value <= WHOLE[name]:
-            raise InputError(f"{name} is {shown(value)}; it has to be between {least} and {WHOLE[name]}.")
 
 
 def shown(value: object) -> str:

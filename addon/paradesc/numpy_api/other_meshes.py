@@ -45,7 +45,11 @@ def vertices_and_faces(mesh: object) -> tuple[object, object]:
     if kind == "polydata":
         return mesh.points, vtk_polygons(mesh.faces)
     if kind == "grid":
-        return mesh.points, grid_polygons(mesh)
+        kinds = numbers(mesh.celltypes, "celltypes", "VTK's numbers are needed")
+        if not np.isin(kinds, FLAT_CELLS).all():
+            sentence = "The grid has cells that are no polygons"
+            raise InputError(f"{sentence}; give its surface, for example extract_surface().")
+        return mesh.points, vtk_polygons(mesh.cells)
     return mesh, None
 
 
@@ -55,14 +59,6 @@ def tensor(mapping: object, name: str) -> object:
         raise InputError(f"The Open3D mesh has no {name}.")
     found = mapping[name]
     return found.cpu().numpy() if hasattr(found, "cpu") else found
-
-
-def grid_polygons(mesh: object) -> Polygons:
-    """The faces of an unstructured grid that is a surface."""
-    kinds = numbers(mesh.celltypes, "celltypes", "VTK's numbers are needed")
-    if not np.isin(kinds, FLAT_CELLS).all():
-        raise InputError("The grid has cells that are no polygons; give its surface, for example extract_surface().")
-    return vtk_polygons(mesh.cells)
 
 
 def vtk_polygons(cells: object) -> Polygons:
@@ -94,10 +90,6 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
         elif kind in ("polydata", "grid"):
             (mesh.cell_data if at_faces else mesh.point_data)[name] = array
         else:
-            (mesh.triangle if at_faces else mesh.vertex)[name] = tensor_of(mesh, array)
-
-
-def tensor_of(mesh: object, array: np.ndarray) -> object:
-    """An (n, 1) or (n, 3) tensor for a mesh of Open3D, on its device; so its files keep it."""
-    positions = mesh.vertex["positions"]
-    return type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1))).to(positions.device)
+            positions = mesh.vertex["positions"]  # a tensor (n, 1) or (n, 3) on the same device, so that files keep it
+            given = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
+            (mesh.triangle if at_faces else mesh.vertex)[name] = given.to(positions.device)

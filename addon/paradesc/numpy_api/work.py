@@ -13,11 +13,6 @@ from ..core.polygons import Polygons, triangle_corners
 from ..core.stream import Stream
 from . import inputs, options, other_meshes
 
-__all__ = [
-    "Stream", "balance", "cancelling", "check_normals", "face_centers", "inputs", "job", "legend", "options", "origin",
-    "other_meshes", "plain_errors", "statistics", "surface_of", "triangle_corners",
-]  # fmt: skip
-
 
 def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
     """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
