@@ -248,97 +248,60 @@ STRUCTS: dict[type[Structure], str] = {
     RaysInput: "pdesc_rays_input",
 }
 
-# name: (restype, argtypes), in the header's order
+# name: (restype, argtypes), in the header's order, which has the names of the arguments
 FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_abi_version": (c_int32, []),
     "pdesc_version": (c_char_p, []),
     "pdesc_last_error": (c_char_p, []),
-    "pdesc_descriptor_info_init": (None, [POINTER(DescriptorInfo)]),  # info
+    "pdesc_descriptor_info_init": (None, [POINTER(DescriptorInfo)]),
     "pdesc_descriptor_count": (c_int32, []),
-    "pdesc_descriptor_get": (c_int32, [c_int32, POINTER(DescriptorInfo)]),  # index, info
-    "pdesc_context_options_init": (None, [POINTER(ContextOptions)]),  # options
-    "pdesc_context_create": (c_int32, [POINTER(ContextOptions), POINTER(ContextPointer)]),  # options, context
-    "pdesc_context_destroy": (None, [ContextPointer]),  # context
-    "pdesc_context_backend": (c_int32, [ContextPointer]),  # context
-    "pdesc_context_device": (c_char_p, [ContextPointer]),  # context
-    "pdesc_context_fallback": (c_char_p, [ContextPointer]),  # context
-    "pdesc_mesh_input_init": (None, [POINTER(MeshInput)]),  # input
-    "pdesc_mesh_report_init": (None, [POINTER(MeshReport)]),  # report
-    "pdesc_mesh_create": (c_int32, [ContextPointer, POINTER(MeshInput), POINTER(MeshPointer)]),  # context, input, mesh
-    "pdesc_mesh_set_positions": (c_int32, [MeshPointer, Float32Pointer, c_int32]),  # mesh, positions, vertex_count
-    "pdesc_mesh_set_displacement": (
-        c_int32,
-        # mesh, heights, width, height, midlevel, scale
-        [MeshPointer, Float32Pointer, c_int32, c_int32, c_double, c_double],
-    ),
-    "pdesc_mesh_set_normal_map": (
-        c_int32,
-        # mesh, rgb, width, height, corner_tangents, corner_count
-        [MeshPointer, Float32Pointer, c_int32, c_int32, Float32Pointer, c_int32],
-    ),
-    "pdesc_mesh_get_report": (c_int32, [MeshPointer, POINTER(MeshReport)]),  # mesh, report
-    "pdesc_mesh_destroy": (None, [MeshPointer]),  # mesh
-    "pdesc_options_init": (None, [POINTER(ComputeOptions)]),  # options
-    "pdesc_mesh_backend": (
-        c_int32,
-        [MeshPointer, POINTER(ComputeOptions), Int32Pointer],  # mesh, options, backend
-    ),
+    "pdesc_descriptor_get": (c_int32, [c_int32, POINTER(DescriptorInfo)]),
+    "pdesc_context_options_init": (None, [POINTER(ContextOptions)]),
+    "pdesc_context_create": (c_int32, [POINTER(ContextOptions), POINTER(ContextPointer)]),
+    "pdesc_context_destroy": (None, [ContextPointer]),
+    "pdesc_context_backend": (c_int32, [ContextPointer]),
+    "pdesc_context_device": (c_char_p, [ContextPointer]),
+    "pdesc_context_fallback": (c_char_p, [ContextPointer]),
+    "pdesc_mesh_input_init": (None, [POINTER(MeshInput)]),
+    "pdesc_mesh_report_init": (None, [POINTER(MeshReport)]),
+    "pdesc_mesh_create": (c_int32, [ContextPointer, POINTER(MeshInput), POINTER(MeshPointer)]),
+    "pdesc_mesh_set_positions": (c_int32, [MeshPointer, Float32Pointer, c_int32]),
+    "pdesc_mesh_set_displacement": (c_int32, [MeshPointer, Float32Pointer, c_int32, c_int32, c_double, c_double]),
+    "pdesc_mesh_set_normal_map": (c_int32, [MeshPointer, Float32Pointer, c_int32, c_int32, Float32Pointer, c_int32]),
+    "pdesc_mesh_get_report": (c_int32, [MeshPointer, POINTER(MeshReport)]),
+    "pdesc_mesh_destroy": (None, [MeshPointer]),
+    "pdesc_options_init": (None, [POINTER(ComputeOptions)]),
+    "pdesc_mesh_backend": (c_int32, [MeshPointer, POINTER(ComputeOptions), Int32Pointer]),
     "pdesc_compute": (
         c_int32,
-        [
-            MeshPointer,  # mesh
-            POINTER(ComputeOptions),  # options
-            POINTER(c_char_p),  # descriptors
-            c_int32,  # descriptor_count
-            Progress,  # progress
-            c_void_p,  # user
-            POINTER(FieldPointer),  # field
-        ],
+        [MeshPointer, POINTER(ComputeOptions), POINTER(c_char_p), c_int32, Progress, c_void_p, POINTER(FieldPointer)],
     ),
-    "pdesc_memory_init": (None, [POINTER(Memory)]),  # memory
+    "pdesc_memory_init": (None, [POINTER(Memory)]),
     "pdesc_mesh_memory": (
         c_int32,
-        # mesh, options, descriptors, descriptor_count, backend, memory
         [MeshPointer, POINTER(ComputeOptions), POINTER(c_char_p), c_int32, c_int32, POINTER(Memory)],
     ),
-    "pdesc_mesh_buffer_size": (c_int32, [MeshPointer]),  # mesh
-    "pdesc_mesh_read_buffer": (c_int32, [MeshPointer, c_char_p, Float32Pointer, c_int64]),  # mesh, name, values, count
-    "pdesc_mesh_layout": (c_int32, [MeshPointer, Float32Pointer, c_int32]),  # mesh, uvs, triangle_count
-    "pdesc_field_report_init": (None, [POINTER(FieldReport)]),  # report
-    "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),  # field, report
-    "pdesc_field_warnings": (c_char_p, [FieldPointer]),  # field
-    "pdesc_field_device": (c_char_p, [FieldPointer]),  # field
-    "pdesc_field_values": (
-        c_int32,
-        [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count
-    ),
-    "pdesc_field_seam_error": (
-        c_int32,
-        [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count
-    ),
-    "pdesc_field_mask": (c_int32, [FieldPointer, Uint8Pointer, c_int32]),  # field, mask, vertex_count
-    "pdesc_mesh_near_seam": (
-        c_int32,
-        [MeshPointer, c_double, Uint8Pointer, c_int32],  # mesh, radius, near_seam, vertex_count
-    ),
-    "pdesc_field_map_size": (c_int32, [FieldPointer]),  # field
-    "pdesc_field_map": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int64]),  # field, name, values, count
-    "pdesc_field_destroy": (None, [FieldPointer]),  # field
-    "pdesc_uv_image_input_init": (None, [POINTER(UvImageInput)]),  # input
-    "pdesc_uv_image_draw": (c_int32, [POINTER(UvImageInput), Float32Pointer, c_int64]),  # input, image, count
-    "pdesc_uv_image_fill_gutter": (
-        c_int32,
-        # image, count, width, height, components, steps, threads
-        [Float32Pointer, c_int64, c_int32, c_int32, c_int32, c_int32, c_int32],
-    ),
-    "pdesc_rays_input_init": (None, [POINTER(RaysInput)]),  # input
-    "pdesc_rays_cast": (
-        c_int32,
-        [POINTER(RaysInput), Int32Pointer, Float32Pointer, c_int32],  # input, triangles, weights, ray_count
-    ),
+    "pdesc_mesh_buffer_size": (c_int32, [MeshPointer]),
+    "pdesc_mesh_read_buffer": (c_int32, [MeshPointer, c_char_p, Float32Pointer, c_int64]),
+    "pdesc_mesh_layout": (c_int32, [MeshPointer, Float32Pointer, c_int32]),
+    "pdesc_field_report_init": (None, [POINTER(FieldReport)]),
+    "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),
+    "pdesc_field_warnings": (c_char_p, [FieldPointer]),
+    "pdesc_field_device": (c_char_p, [FieldPointer]),
+    "pdesc_field_values": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int32]),
+    "pdesc_field_seam_error": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int32]),
+    "pdesc_field_mask": (c_int32, [FieldPointer, Uint8Pointer, c_int32]),
+    "pdesc_mesh_near_seam": (c_int32, [MeshPointer, c_double, Uint8Pointer, c_int32]),
+    "pdesc_field_map_size": (c_int32, [FieldPointer]),
+    "pdesc_field_map": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int64]),
+    "pdesc_field_destroy": (None, [FieldPointer]),
+    "pdesc_uv_image_input_init": (None, [POINTER(UvImageInput)]),
+    "pdesc_uv_image_draw": (c_int32, [POINTER(UvImageInput), Float32Pointer, c_int64]),
+    "pdesc_uv_image_fill_gutter": (c_int32, [Float32Pointer, c_int64, c_int32, c_int32, c_int32, c_int32, c_int32]),
+    "pdesc_rays_input_init": (None, [POINTER(RaysInput)]),
+    "pdesc_rays_cast": (c_int32, [POINTER(RaysInput), Int32Pointer, Float32Pointer, c_int32]),
     "pdesc_rays_values": (
         c_int32,
-        # input, triangles, weights, values, components, met, count
         [POINTER(RaysInput), Int32Pointer, Float32Pointer, Float32Pointer, c_int32, Float32Pointer, c_int64],
     ),
 }
