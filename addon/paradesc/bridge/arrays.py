@@ -90,10 +90,7 @@ def near_positions(positions: np.ndarray) -> np.ndarray:
 
 
 def shaped(array: np.ndarray, kind: type, name: str, shape: tuple[int, ...], wanted: str = "") -> np.ndarray:
-    """The array in the type wanted, copied only where it has to be; -1 stands for any length.
-
-    wanted: how an error names the shape.
-    """
+    """The array in the type wanted, copied only where it has to be; -1 is any length; wanted: the shape in an error."""
     result = np.ascontiguousarray(array, dtype=kind)
     fits = result.ndim == len(shape) and all(want in (-1, have) for want, have in zip(shape, result.shape, strict=True))
     if not fits:

@@ -52,10 +52,7 @@ def cast_rays(
     reach: float,
     progress: ProgressFunction | None = None,
 ) -> Hits:
-    """Casts rays (n, 6), points and directions; finds each ray's hit nearest to its point, at most reach away.
-
-    positions: (vertex_count, 3). Only triangles whose outside faces along the direction are hit.
-    """
+    """Each ray's nearest hit, at most reach away, on triangles facing along it; rays: (n, 6) points and directions."""
     library = load_library()
     points = shaped(positions, np.float32, "positions", (-1, 3))
     numbers = shaped(triangle_vertices, np.int32, "triangle_vertices", (-1, 3))

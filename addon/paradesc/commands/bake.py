@@ -128,10 +128,7 @@ def bake_objects(
     arguments: argparse.Namespace,
     onto: dict[Target, list[Target]] | None,
 ) -> list[results.Baked]:
-    """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ.
-
-    onto: the detailed objects that are measured in place of each.
-    """
+    """Computes each object, or the detailed ones in its place. Objects that share a mesh share its results, if possible."""
     scene_look = scene_source(arguments).look() if arguments.scene_settings else None
     look = look_of(arguments, preset_rules.look_of(arguments.preset_content, scene_look))
     if saves_scene(arguments):

@@ -46,10 +46,7 @@ class Subject:
 
 
 class FileSource:
-    """The meshes of a file that Paradesc itself reads.
-
-    SceneSource has the same methods for Blender's scene, and more: for files, what only Blender does is refused.
-    """
+    """The meshes of a file that Paradesc itself reads; SceneSource has these methods, and more, for Blender's scene."""
 
     unwraps = False
 

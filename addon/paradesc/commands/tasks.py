@@ -201,10 +201,7 @@ def absolute(path: Path) -> str:
 
 
 def scene_of(parsed: argparse.Namespace) -> tuple[Sequence[int], Path, list[Path], list[str]]:
-    """The frames, the folder of them all, that of each object's, and notes; they are read from the scene or the files.
-
-    Without Blender, the options have to supply what is in a scene.
-    """
+    """The frames, the folder of them all, that of each object's, and notes; without Blender, options supply them."""
     frames, source = animate_files.parse_frames(parsed.frames), None
     try:
         source = animate_files.source_of_frames(parsed)

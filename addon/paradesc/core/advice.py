@@ -30,10 +30,7 @@ LARGEST_STRETCH = 2.0**1.5
 
 
 def texels_per_length(arrays: bridge.MeshArrays) -> float:
-    """The length of a unit of the surface in the UV square, in the direction where it is shortest.
-
-    The median over triangles; an estimate without a map.
-    """
+    """The median length of a unit of the surface in the UV square, where it is shortest; estimated without a map."""
     corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
     area = double_areas(corners)
     if arrays.corner_uvs is None:
@@ -58,10 +55,7 @@ def stretches(corners: np.ndarray, uvs: np.ndarray) -> np.ndarray:
 
 
 def mean_edge_and_diagonal(arrays: bridge.MeshArrays, triangles: np.ndarray | None = None) -> tuple[float, float]:
-    """The mean edge length of the triangles, and the diagonal of their bounding box; there must be at least one.
-
-    triangles: (n, 3) vertices of the triangles to look at, if not all of them.
-    """
+    """The mean edge of the triangles, and the diagonal of their box; triangles: (n, 3) vertices, if not all."""
     corners = arrays.positions[arrays.triangle_vertices if triangles is None else triangles].astype(np.float64)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     return float(edges.mean()), float(np.linalg.norm(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))))

@@ -69,10 +69,7 @@ def find_corners(
 
 
 def places(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices (n,) sorted so that those at one place follow each other, where each place begins, the place of each.
-
-    Those at one place keep their order; places have none. positions (n, 3).
-    """
+    """Vertices (n,) sorted so that those at one place follow each other, where each place begins, the place of each."""
     keys = origin.place_keys(origin.columns_of(positions))
     order = np.argsort(keys, kind="stable")
     new = np.ones(len(order), bool)

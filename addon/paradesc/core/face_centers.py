@@ -29,10 +29,7 @@ def run(
     progress: ProgressFunction | None = None,
     sizes: np.ndarray | None = None,
 ) -> job.Results:
-    """Computes like job.run(), at faces in place of vertices.
-
-    sizes: (face_count,) of the polygons whose triangles follow each other; each triangle is a face if none are given.
-    """
+    """Computes like job.run(), at faces; sizes: (face_count,) of polygons, without which each triangle is a face."""
     check(arrays, settings)
     count = len(arrays.triangle_corners) if sizes is None else len(sizes)
     faces = np.arange(count) if sizes is None else np.repeat(np.arange(count), np.maximum(sizes - 2, 0))

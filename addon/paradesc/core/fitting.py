@@ -35,10 +35,7 @@ def narrowed(
     compute: Callable[[Settings], Results],
     values_of: Callable[[Results], dict[str, np.ndarray]],
 ) -> Results:
-    """Computes with the fitted radius, and then with halves of it as long as that improves a mask.
-
-    A half is better if a mask that was bright on too much of the surface is bright on less of it.
-    """
+    """Computes with the fitted radius, then with halves of it while that improves a mask that is bright on too much."""
     results = compute(settings)
     share = bright_share(results, values_of(results))
     for _ in range(HALVINGS):

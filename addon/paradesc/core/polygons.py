@@ -107,10 +107,7 @@ def triangles_of_fan(vertices: np.ndarray) -> np.ndarray:
 
 
 def triangle_corners(polygons: Polygons | PolygonMesh, points: np.ndarray) -> np.ndarray:
-    """(triangle_count, 3) int32 corners of the triangles of polygons on (n, 3) float64 points, face after face.
-
-    Faces of fewer than three corners have no triangle.
-    """
+    """(triangle_count, 3) int32 corners of the triangles of polygons on (n, 3) float64 points, face after face."""
     sizes = polygons.sizes
     if (sizes == 3).all():
         return np.arange(3 * len(sizes), dtype=np.int32).reshape(-1, 3)

@@ -13,10 +13,7 @@ NOTHING = 1e-30
 
 
 def corner_tangents(arrays: MeshArrays) -> np.ndarray:
-    """(corner_count, 4) float32 unit tangents, each with the sign of the bitangent, of a mesh with UVs and normals.
-
-    Quads are divided as MikkTSpace does it, larger faces as they are.
-    """
+    """(corner_count, 4) float32 unit tangents, each with the sign of the bitangent, of a mesh with UVs and normals."""
     used, quads = divided(arrays)
     points = arrays.positions.astype(np.float64)[arrays.corner_vertices[used]]
     uvs, normals = arrays.corner_uvs.astype(np.float64)[used], unit(arrays.corner_normals.astype(np.float64))[used]

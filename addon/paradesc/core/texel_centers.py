@@ -90,10 +90,7 @@ def with_texels(settings: job.Settings, side: int, evaluate: str = "texel") -> j
 def centers_for(
     arrays: MeshArrays, settings: job.Settings, size: int, shown: np.ndarray | None = None
 ) -> tuple[MeshArrays, int]:
-    """The mesh over a layout with fewer centers, and the map's side; the mesh itself and the given size if cheaper.
-
-    shown: (k,) the triangles that have an area in the UV map, if not all of them are asked for.
-    """
+    """The mesh over a layout with fewer centers, and its side; itself if cheaper; shown: (k,) triangles, if not all."""
     radius = least_radius(arrays, settings)
     apart = with_charts_apart(arrays, shown)
     scale = least_texels_per_length(apart)
@@ -115,10 +112,7 @@ def least_radius(arrays: MeshArrays, settings: job.Settings) -> float:
 
 
 def with_charts_apart(arrays: MeshArrays, shown: np.ndarray | None = None) -> MeshArrays:
-    """The mesh over a layout of its own, in which charts keep their shapes and lie apart; triangles stay in order.
-
-    shown: (k,) the triangles that are laid out; the others get no area.
-    """
+    """The mesh over a layout in which charts lie apart; triangles that are not shown (k,), if given, have no area."""
     own = udim.unshared(arrays)
     chosen = np.arange(len(own.triangle_corners)) if shown is None else shown
     corners = own.triangle_corners[chosen].reshape(-1)

@@ -68,10 +68,7 @@ class Cut:
         return found
 
     def values(self, triangle_values: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) which value each corner has, and the values (m,) or (m, d), those of the parts' corners at the end.
-
-        Three columns are directions, as images have them.
-        """
+        """(n, 3) which value each corner has, and the values (m,) or (m, d), three columns being directions."""
         rows = triangle_values[self.triangles]
         if not len(self.parts):
             return rows, values
@@ -291,10 +288,7 @@ def unshared(arrays: MeshArrays, corner_uvs: np.ndarray | None = None) -> MeshAr
 
 
 def alone(arrays: MeshArrays, tile: int) -> tuple[np.ndarray, MeshArrays]:
-    """(k,) which triangles a tile shows, and the mesh with a UV map in which only these have an area.
-
-    Triangles across the tile's border stay whole.
-    """
+    """(k,) which triangles a tile shows, whole across its border, and the mesh with a UV map of these alone."""
     found, uvs = shifted(arrays.corner_uvs[arrays.triangle_corners], tile)
     own = np.empty((len(arrays.triangle_corners), 3, 2), np.float32)
     own[:] = uvs[0, 0]

@@ -32,10 +32,7 @@ def with_digest(beginning: str, name: str) -> str:
 
 
 def folder_name(name: str, there: set[str]) -> str:
-    """The name for an object's folder, next to those that exist.
-
-    A digest is appended if some file system would change the name, or take it for an existing one.
-    """
+    """The name for an object's folder; with a digest where a file system would change it or take it for another's."""
     plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
     alike = {one for one in there if folded(one) == folded(plain)}
     if plain == name and not RESERVED.fullmatch(name) and (name in alike or not alike):

@@ -185,10 +185,7 @@ def addressed(path: Path, uri: str) -> bytes:
 
 
 def shown_places(header: dict) -> list[tuple[int, np.ndarray]]:
-    """Number and (4, 4) float64 place of each node of the file's scene, or of all nodes if it has no scenes.
-
-    A node below several others, which the format forbids, stands in as many places.
-    """
+    """Number and (4, 4) float64 place of each node of the file's scene, or of all nodes if it has no scenes."""
     nodes, scenes = header.get("nodes", []), header.get("scenes", [])
     below = {child for node in nodes for child in node.get("children", [])}
     roots = [number for number in range(len(nodes)) if number not in below]

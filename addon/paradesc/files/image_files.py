@@ -285,10 +285,7 @@ def encoded(
     progress: ProgressFunction | None = None,
     shown: udim.Cut | None = None,
 ) -> Encoded:
-    """A 16-bit PNG of one descriptor, or of one descriptor in each channel.
-
-    shown: the tile, if it is one of several.
-    """
+    """A 16-bit PNG of one descriptor, or of one in each channel; shown: the tile, if it is one of several."""
     channels, filled, scales, meanings, dark, bright = [], None, [], [], 1.0, 1.0
     of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, (baked, name) in enumerate(sources):

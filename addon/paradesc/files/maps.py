@@ -128,10 +128,7 @@ def write_png(
     shown: udim.Cut | None = None,
     ends: tuple[float, float] | None = None,
 ) -> dict[str, object]:
-    """Writes one descriptor as a 16-bit PNG; returns its row of the JSON report.
-
-    ends: the values of pixels 0 and 65535, if they are not the ends of this image's values.
-    """
+    """Writes one descriptor as a 16-bit PNG, whose ends are its values' unless given; returns its row of the report."""
     image = image_of(baked, name, shown)
     low, high = stored_range(image, image.shape[2]) if ends is None else ends
     share = np.clip((bridge.fill_gutter(image, GUTTER)[::-1].astype(np.float64) - low) / (high - low), 0.0, 1.0)

@@ -116,10 +116,7 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
 
 
 def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int, int]:
-    """Replaces values by their pixel plus 1, in place, so that 0 can mean that nothing is there.
-
-    Returns how many texels have a value, and how many of these are nearly black and nearly white.
-    """
+    """Replaces values by their pixel plus 1, so that 0 is nothing; counts those there, nearly black and white."""
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
     np.clip(part, 0, WHOLE, out=part)

@@ -59,10 +59,7 @@ def tables(rows: Rows, vertices: int, faces: int, keyword: bytes) -> tuple[np.nd
 
 
 def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
-    """(c,) corners and (count,) sizes of the faces that begin at this number, if nothing is left over after them.
-
-    colored: the rest of the line on which a face ends is its color.
-    """
+    """(c,) corners and (count,) sizes of the faces from this number on, to the end; colored: colors end their lines."""
     begins = rows.starts[np.searchsorted(rows.starts, at) : -1]
     sizes = rows.values[begins].astype(np.int64)
     if not (colored and len(begins) == count and (sizes >= 0).all() and (begins + sizes < ends_of(rows, begins)).all()):

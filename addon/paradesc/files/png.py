@@ -24,10 +24,7 @@ def chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def encode_png(image: np.ndarray, texts: dict[str, str] | None = None, quick: bool = False) -> bytes:
-    """(height, width, 1 to 4) uint8 or uint16, top row first, as the bytes of a PNG file; texts: ASCII, by keyword.
-
-    quick: packs less tightly, on several threads.
-    """
+    """(height, width, 1 to 4) uint8 or uint16, top row first, as a PNG file; quick: packed less tightly, on threads."""
     if image.dtype not in BITS or image.ndim != 3 or image.shape[2] not in COLOR_TYPES:
         raise ValueError(f"an image is (height, width, 1 to 4) uint8 or uint16, not {image.shape} {image.dtype}")
     height, width, channels = image.shape

@@ -20,10 +20,7 @@ def is_sequence(given: Path) -> bool:
 
 
 def frames_of(given: Path) -> dict[int, Path]:
-    """The files of a sequence by frame, in order: those of a folder, or those that a name with #### or * matches.
-
-    The frame is the number in place of #### or the last one in the name; files without one are left out.
-    """
+    """The files of a sequence by frame, which is the number in place of #### or the last one in the name."""
     folder = given if is_folder(given) else given.parent
     pattern, number = patterns(given)
     if not is_folder(folder):
