@@ -133,7 +133,12 @@ def buffers_beside(path: Path, content: bytes) -> list[Path]:
 def kept_row(work: Work, asked: dict) -> dict | None:
     """The row of an earlier run, if it has this content and these settings and its results exist."""
     arrays, path = paths_of(work.output, asked["file"])
-    row = read_row(path)
+    try:
+        row = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        row = None
+    if not isinstance(row, dict):  # there is none, or a damaged one
+        return None
     if any(row.get(name) != asked[name] for name in ("file", "content_hash", "settings_key")):
         return None
     if row.get("status") == "failed":
@@ -143,15 +148,6 @@ def kept_row(work: Work, asked: dict) -> dict | None:
     except OSError:
         return None
     return row if size == row.get("results_bytes") else None
-
-
-def read_row(path: Path) -> dict:
-    """A row as it was written; empty if there is none, or a damaged one."""
-    try:
-        row = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return row if isinstance(row, dict) else {}
 
 
 # ---- Computing

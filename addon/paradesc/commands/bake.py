@@ -85,7 +85,11 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     print_notes(notes)
     for path in files["outputs"]:
         print(f"wrote {path}")
-    warnings = warnings_of(baked)
+    warnings = [
+        f"{one.object_name}: {sentence}" if len(baked) > 1 else sentence
+        for one in baked
+        for sentence in one.results.warnings
+    ]
     return {
         "settings": settings.as_dict(),
         "backend": baked[0].results.backend,
@@ -128,7 +132,7 @@ def bake_objects(
     arguments: argparse.Namespace,
     onto: dict[Target, list[Target]] | None,
 ) -> list[results.Baked]:
-    """Computes each object, or the detailed ones in its place. Objects that share a mesh share its results, if possible."""
+    """Computes each object, or the detailed ones in its place. Objects with one mesh share its results, if possible."""
     scene_look = scene_source(arguments).look() if arguments.scene_settings else None
     look = look_of(arguments, preset_rules.look_of(arguments.preset_content, scene_look))
     if saves_scene(arguments):
@@ -177,14 +181,6 @@ def named(target: Target, count: int) -> Iterator[None]:
         if count > 1:
             raise bridge.InputError(f'Object "{target.name}": {error.sentence}') from error
         raise
-
-
-def warnings_of(baked: list[results.Baked]) -> list[str]:
-    """All warnings about the results, with the objects' names if there are several."""
-    several = len(baked) > 1
-    return [
-        f"{one.object_name}: {sentence}" if several else sentence for one in baked for sentence in one.results.warnings
-    ]
 
 
 def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], warnings: list[str]) -> list[str]:

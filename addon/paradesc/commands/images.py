@@ -37,7 +37,9 @@ def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: Pr
     rows: list[Rows] = [[] for _ in paths]
     for one in baked if paths else []:
         tiling = udim.of_mesh(one.arrays)
-        ends = ends_of(one, tiling, arguments, progress)
+        pngs = any(path.suffix.lower() == ".png" for path in arguments.map) and spans_values(arguments)
+        # The range that .png images of several tiles share.
+        ends = maps.ends_of_tiles(one, tiling.tiles, progress) if pngs and len(tiling.tiles) > 1 else {}
         for tile in tiling.tiles or (None,):
             part = replace(one, results=one.results.of_tile(tile, progress))
             for path, found in zip(paths, rows, strict=True):
@@ -53,16 +55,6 @@ def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: Pr
 def spans_values(arguments: argparse.Namespace) -> bool:
     """Whether .png images span the range from the smallest value to the largest."""
     return not arguments.pack and arguments.png_range != "colors"
-
-
-def ends_of(
-    one: Baked, tiling: udim.Tiling, arguments: argparse.Namespace, progress: ProgressFunction | None
-) -> dict[str, tuple[float, float]]:
-    """The range that the .png images of several tiles share, by descriptor; empty if each image has its own."""
-    pngs = any(path.suffix.lower() == ".png" for path in arguments.map)
-    if len(tiling.tiles) < 2 or not pngs or not spans_values(arguments):
-        return {}
-    return maps.ends_of_tiles(one, tiling.tiles, progress)
 
 
 def written(

@@ -144,7 +144,11 @@ def write_files(
         described = write_images(baked, arguments)
     written += [Path(str(row["path"])) for row in described]
     for one in baked if arguments.dump_buffers else []:
-        written += maps.write_buffers(folder_of(arguments.dump_buffers, one, baked), one)
+        folder = arguments.dump_buffers
+        if len(baked) > 1:  # each has a folder in it
+            folder.mkdir(exist_ok=True)
+            folder = folder / file_name(one, baked)
+        written += maps.write_buffers(folder, one)
     if arguments.corners:
         listed = [
             {**({"object": one.object_name} if len(baked) > 1 else {}), **row}
@@ -166,11 +170,3 @@ def packed_names(text: str) -> tuple[str, ...]:
     if len(names) not in (3, 4) or len(set(names)) < len(names):
         raise argparse.ArgumentTypeError(f'"{text}" must be three or four different descriptors with commas between')
     return names
-
-
-def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
-    """The folder for the buffers of one object: the given folder, or a folder in it if there are several objects."""
-    if len(baked) == 1:
-        return folder
-    folder.mkdir(exist_ok=True)
-    return folder / file_name(one, baked)

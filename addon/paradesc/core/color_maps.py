@@ -255,7 +255,8 @@ def value_range(
             bounds = (bounds[0], strong(values, areas, *bounds))
     if bounds is None:
         percentile = CLIPPED_PERCENT if look.percentile is None else look.percentile
-        bounds = percentiles(values, percentile)
+        finite = np.asarray(values, np.float64)[np.isfinite(values)]
+        bounds = tuple(np.percentile(finite, [percentile, 100 - percentile])) if finite.size else (0.0, 0.0)
         if descriptor.is_signed:
             bounds = about_neutral(bounds, neutral, smallest_half(descriptor, radius), look.symmetric)
     low, high = map(float, bounds)
@@ -316,12 +317,6 @@ def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
     if not descriptor.is_signed:
         return None
     return descriptor.neutral_value if math.isfinite(descriptor.neutral_value) else 0.0
-
-
-def percentiles(values: np.ndarray, percent: float) -> tuple[float, float]:
-    """The bounds of (n,) values that leave a percentage of them outside on either side."""
-    finite = np.asarray(values, np.float64)[np.isfinite(values)]
-    return (0.0, 0.0) if finite.size == 0 else tuple(np.percentile(finite, [percent, 100 - percent]))
 
 
 def about_neutral(bounds: tuple[float, float], neutral: float, smallest: float, symmetric: bool) -> tuple[float, float]:

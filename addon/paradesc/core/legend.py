@@ -24,15 +24,10 @@ def label(name: str) -> str:
 
 
 def label_ending(name: str) -> str:
-    """The variant as the end of a label. Labels from the registry already say if the values are a change."""
-    return variant(name).removesuffix(", change")
-
-
-def variant(name: str) -> str:
-    """The variant of the descriptor that these values are: ", radius 0.02" with several radii, or ""."""
+    """The variant of values as the end of a label: ", radius 0.02"; labels of the registry say if it is a change."""
     rest = name.removeprefix(registry_name(name))
     words = [f"radius {part[1:]}" if part[0] == "r" and part[1:2].isdigit() else part for part in rest.split("_")[1:]]
-    return "".join(f", {word}" for word in words)
+    return "".join(f", {word}" for word in words).removesuffix(", change")
 
 
 def unit_of(name: str, map_descriptor: str) -> str:
@@ -54,9 +49,6 @@ def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
     middle = shown.neutral
     if middle is None or not (0.15 <= (middle - shown.minimum) / span <= 0.85):
         middle = shown.minimum + span / 2
-    return [((value - shown.minimum) / span, number(value, span)) for value in (shown.minimum, middle, shown.maximum)]
-
-
-def number(value: float, span: float) -> str:
-    """A value with three digits; 0 if it is negligible against the span of the range."""
-    return "0" if abs(value) < 1e-6 * span else f"{value:.3g}"
+    values = (shown.minimum, middle, shown.maximum)
+    texts = ["0" if abs(value) < 1e-6 * span else f"{value:.3g}" for value in values]  # 0 if it is negligible
+    return [((value - shown.minimum) / span, text) for value, text in zip(values, texts, strict=True)]

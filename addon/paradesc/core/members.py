@@ -33,13 +33,12 @@ def member(kind: str, **words: object) -> Member:
 
 def options(panel: str) -> dict[str, Member]:
     """The settings for the options of the computation that are in a panel."""
-    return {row.name: option(row) for row in bridge.TABLE if row.panel == panel}
-
-
-def option(row: bridge.Row) -> Member:
-    """The setting for an option of the computation."""
-    words = {"name": row.label, "description": row.about, "default": row.usual or row.default, **row.limits}
-    return Member(row.kind, {**words, **({"items": list(row.choices)} if row.choices else {})})
+    found = {}
+    for row in bridge.TABLE:
+        words = {"name": row.label, "description": row.about, "default": row.usual or row.default, **row.limits}
+        if row.panel == panel:
+            found[row.name] = Member(row.kind, {**words, **({"items": list(row.choices)} if row.choices else {})})
+    return found
 
 
 FITS = [

@@ -34,12 +34,13 @@ def checked(content: object) -> dict[str, object]:
         return {}
     found = {**content, "ranges": ranges(content.get("ranges")), "drawn": drawn(content.get("drawn"))}
     found.update({word: value if isinstance(value := content.get(word), str) else "" for word in WORDS})
-    found["layout"] = texts(content.get("layout"))
+    found["layout"] = {name: text for name, text in as_dict(content.get("layout")).items() if isinstance(text, str)}
     found["settings"] = as_dict(content.get("settings"))
     made = image_bake(found.pop("image_bake", None))
     found.update({"image_bake": made} if made else {})
-    reports = {"mesh_report": MESH_REPORT, "field_report": FIELD_REPORT}
-    if not all(is_report(content.get(name), members) for name, members in reports.items()):
+    reports = {name: as_dict(content.get(name)) for name in ("mesh_report", "field_report")}
+    missing = {*MESH_REPORT} - reports["mesh_report"].keys() | {*FIELD_REPORT} - reports["field_report"].keys()
+    if missing or not all(is_number(number) for report in reports.values() for number in report.values()):
         for name in reports:
             found.pop(name, None)
     return found
@@ -50,21 +51,9 @@ def as_dict(value: object) -> dict[str, object]:
     return value if isinstance(value, dict) else {}
 
 
-def texts(value: object) -> dict[str, str]:
-    """The entries of a dictionary that are texts."""
-    return {name: text for name, text in as_dict(value).items() if isinstance(text, str)}
-
-
 def is_number(value: object) -> bool:
     """True of a finite number."""
     return isinstance(value, (int, float)) and abs(value) <= 1e300 and math.isfinite(value)
-
-
-def is_report(value: object, members: tuple[str, ...]) -> bool:
-    """Whether this is a dictionary of numbers with these members."""
-    if not isinstance(value, dict) or not all(name in value for name in members):
-        return False
-    return all(is_number(number) for number in value.values())
 
 
 def image_bake(value: object) -> dict[str, object]:

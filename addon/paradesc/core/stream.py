@@ -131,7 +131,8 @@ class Contact:
 
     def __init__(self, arrays: MeshArrays) -> None:
         triangles = arrays.triangle_vertices.T.astype(np.intp)
-        self.blocks = [np.ascontiguousarray(triangles[:, start : start + BLOCK]) for start in starts(triangles)]
+        starts = range(0, triangles.shape[1], BLOCK)
+        self.blocks = [np.ascontiguousarray(triangles[:, start : start + BLOCK]) for start in starts]
         columns = origin.columns_of(arrays.positions)
         _, first, group, count = np.unique(
             origin.place_keys(columns), return_index=True, return_inverse=True, return_counts=True
@@ -163,11 +164,6 @@ class Contact:
                 square, longest = area_and_edge(columns.astype(np.float64), triangles[:, small])
                 found.append(index * BLOCK + small[np.sqrt(square) <= NO_AREA * longest])
         return np.concatenate(found)
-
-
-def starts(triangles: np.ndarray) -> range:
-    """The indices at which blocks of the (3, k) triangles begin."""
-    return range(0, triangles.shape[1], BLOCK)
 
 
 def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,8 @@ def corner_tangents(arrays: MeshArrays) -> np.ndarray:
     along, areas = along_u(points, uvs)
     sound = (np.abs(areas) > NOTHING) & (np.linalg.norm(along, axis=1) > NOTHING)
     signs = of_quads(np.where(areas > 0, 1.0, -1.0), np.abs(areas), sound, quads)
-    places = same_places(np.concatenate([points, normals, uvs], axis=2).reshape(-1, 8)).reshape(-1, 3)
+    rows = np.concatenate([points, normals, uvs], axis=2).reshape(-1, 8) + 0.0  # without a zero that is negative
+    places = np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1, 3)  # equal rows have equal numbers
     groups = connected(places, signs, sound)
     flat = unit(along[:, None] - normals * (normals * along[:, None]).sum(axis=2, keepdims=True))
     weighted = (angles(points, normals) * sound[:, None])[:, :, None] * flat
@@ -97,12 +98,6 @@ def angles(points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     ahead, behind = np.roll(points, -1, axis=1) - points, np.roll(points, 1, axis=1) - points
     ahead, behind = (unit(way - normals * (normals * way).sum(axis=2, keepdims=True)) for way in (ahead, behind))
     return np.arccos(np.clip((ahead * behind).sum(axis=2), -1.0, 1.0))
-
-
-def same_places(rows: np.ndarray) -> np.ndarray:
-    """(n,) numbers of rows (n, k); equal rows have equal numbers."""
-    _, numbers = np.unique(rows + 0.0, axis=0, return_inverse=True)  # without a zero that is negative
-    return numbers.reshape(-1)
 
 
 def connected(places: np.ndarray, signs: np.ndarray, sound: np.ndarray) -> np.ndarray:

@@ -120,11 +120,16 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at each
         return Tiling(why=OUTSIDE)
     triangles, squares = meetings(uvs)
-    low = squares.min(axis=0)
-    keys, number = np.unique((squares - low) @ (1, KEY_STEP), return_inverse=True)
-    places = low + np.column_stack([keys % KEY_STEP, keys // KEY_STEP])
+    least = squares.min(axis=0)
+    keys, number = np.unique((squares - least) @ (1, KEY_STEP), return_inverse=True)
+    places = least + np.column_stack([keys % KEY_STEP, keys // KEY_STEP])
     number = number.reshape(-1)
-    real = deep(uvs[triangles] - squares[:, None], number, len(places))
+    # Squares with no more than a sliver at their borders do not count.
+    local = np.clip(uvs[triangles] - squares[:, None], 0.0, 1.0)
+    low, high = np.full((len(places), 2), np.inf), np.full((len(places), 2), -np.inf)
+    np.minimum.at(low, number, local.min(axis=1))
+    np.maximum.at(high, number, local.max(axis=1))
+    real = more_than_spilled(low, high)
     found = places[real]
     inside = in_tiles(found)
     tiles = np.sort(FIRST + found[inside] @ (1, COLUMNS))
@@ -201,14 +206,6 @@ def separated(uvs: np.ndarray) -> np.ndarray:
         farthest = np.maximum(normal, 0.0).sum(axis=1)  # of the square's corners, along it
         apart |= farthest <= (start * normal).sum(axis=1)
     return apart
-
-
-def deep(uvs: np.ndarray, number: np.ndarray, count: int) -> np.ndarray:
-    """(count,) bool: which squares contain more than a sliver at their borders. number (n,): each triangle's square."""
-    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
-    np.minimum.at(low, number, np.clip(uvs.min(axis=1), 0.0, 1.0))
-    np.maximum.at(high, number, np.clip(uvs.max(axis=1), 0.0, 1.0))
-    return more_than_spilled(low, high)
 
 
 def more_than_spilled(low: np.ndarray, high: np.ndarray) -> np.ndarray:

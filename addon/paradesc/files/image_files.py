@@ -221,7 +221,10 @@ def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = 
     for number, tile in enumerate(tiles):
         of_tile = job.part_of(making, number, len(tiles))
         share = 0.0 if found[0].tiles is None else COMPUTING
-        bakes = bakes_of(made_of, tile, job.span_of(of_tile, 0.0, share))
+        bakes: dict[str, Baked] = {}  # the results of a tile, by the descriptor that is drawn from them
+        for index, results in enumerate(found):
+            own = results.of_tile(tile, job.part_of(job.span_of(of_tile, 0.0, share), index, len(found)))
+            bakes.update(dict.fromkeys(results.values, Baked(made_of.stem, own, made_of.arrays, np.eye(4))))
         textures, least = textures_of(bakes, groups, choice, tile, job.span_of(of_tile, share, 1.0))
         covered += least
         for word, texture in zip(groups, textures, strict=True):
@@ -235,16 +238,6 @@ def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = 
     if texel_centers.uv_area(made_of.arrays) > STACKED_SHARE * covered:
         results.warnings.append(maps.STACKED)
     return Textures(results, [texture for row in made.values() for texture in row])
-
-
-def bakes_of(made_of: Computed, tile: int | None, progress: ProgressFunction | None) -> dict[str, Baked]:
-    """The results of a tile, by the descriptor that is drawn from them."""
-    bakes = {}
-    for number, results in enumerate(made_of.found):
-        own = results.of_tile(tile, job.part_of(progress, number, len(made_of.found)))
-        baked = Baked(made_of.stem, own, made_of.arrays, np.eye(4))
-        bakes.update(dict.fromkeys(results.values, baked))
-    return bakes
 
 
 def joined(found: list[job.Results]) -> job.Results:

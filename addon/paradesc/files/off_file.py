@@ -62,14 +62,10 @@ def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray
     """(c,) corners and (count,) sizes of the faces from this number on, to the end; colored: colors end their lines."""
     begins = rows.starts[np.searchsorted(rows.starts, at) : -1]
     sizes = rows.values[begins].astype(np.int64)
-    if not (colored and len(begins) == count and (sizes >= 0).all() and (begins + sizes < ends_of(rows, begins)).all()):
+    ends = rows.starts[np.searchsorted(rows.starts, begins, side="right")]  # of the rows
+    if not (colored and len(begins) == count and (sizes >= 0).all() and (begins + sizes < ends).all()):
         begins, sizes = walked(rows, at, count, colored)
     return rows.values[listed(begins + 1, sizes)], sizes
-
-
-def ends_of(rows: Rows, begins: np.ndarray) -> np.ndarray:
-    """(n,) the ends of the rows that begin at these numbers."""
-    return rows.starts[np.searchsorted(rows.starts, begins, side="right")]
 
 
 def walked(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -54,7 +54,10 @@ class Document:
         if way == "binary":
             content = self.decoded("".join((element.text or "").split()).encode(), 0)
         elif way == "appended":
-            content = self.behind(whole_number(element.get("offset")))
+            offset = element.get("offset") or ""
+            if not offset.isdecimal():
+                raise ValueError(f'it has "{element.get("offset")}" where a number of bytes should be')
+            content = self.behind(int(offset))
         else:
             raise ValueError(f'it has an array of the format "{way}"')
         return np.frombuffer(content, kind, len(content) // kind.itemsize)
@@ -176,13 +179,6 @@ def faces_of(document: Document, piece: ElementTree.Element) -> list[Polygons]:
         sizes = sizes_between(np.concatenate([[0], ends]), len(corners))
         found.append(triangles_of(corners, sizes) if name == "Strips" else Polygons(corners, sizes))
     return found
-
-
-def whole_number(text: str | None) -> int:
-    """A number of bytes."""
-    if not (text or "").isdecimal():
-        raise ValueError(f'it has "{text}" where a number of bytes should be')
-    return int(text)
 
 
 def taken(body: bytes, at: int, size: int) -> bytes:
