@@ -209,5 +209,7 @@ def described_object(baked: Baked) -> dict[str, object]:
 
 def of_part(names: Iterable[str], part: tuple[int, int] | None) -> list[str]:
     """The names that belong to part (k, n), of about equal parts; None stands for all. Other names do not matter."""
-    number, count = part or (1, 1)
+    if part is None:
+        return list(names)
+    number, count = part
     return [name for name in names if int(hashlib.sha256(name.encode()).hexdigest()[:12], 16) % count == number - 1]
