@@ -188,9 +188,6 @@ def open_library(path: Path) -> ctypes.CDLL:
         sentence = f"native library cannot be loaded – {str(error).strip().rstrip('.')}; {offer()}."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     check_version(library, path)
-    for name, (result, arguments) in abi.FUNCTIONS.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, arguments
     return library
 
 
@@ -213,22 +210,21 @@ def offer() -> str:
 
 
 def check_version(library: ctypes.CDLL, path: Path) -> None:
-    """Compares the library's versions with those that the package was written for, before any other call."""
+    """Declares the functions, and compares the versions with those that the package is for, before any other call."""
     try:
-        library.pdesc_abi_version.restype = ctypes.c_int32
-        found = library.pdesc_abi_version()
-        for name in abi.FUNCTIONS:
-            getattr(library, name)
+        for name, (result, arguments) in abi.FUNCTIONS.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
     except AttributeError as error:
         sentence = f"native library does not fit – {path.name} lacks a function ({error}); {REMEDY}."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+    found = library.pdesc_abi_version()
     if found != abi.ABI_VERSION:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
             f"native library does not fit – {path.name} has ABI version {found} and the package needs "
             f"{abi.ABI_VERSION}; {REMEDY}.",
         )
-    library.pdesc_version.restype = ctypes.c_char_p
     version = text(library.pdesc_version())
     if version != __version__:
         raise ParadescError(

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from ..bridge import ParadescError, abi
+from ..files.results import write_text, write_whole
 
 FARMS = Path(__file__).resolve().parent.parent / "farms"
 # Options that are parameters of the templates, or that the templates set.
@@ -43,10 +44,7 @@ def write_bundle(folder: Path, kind: str, values: dict[str, object]) -> list[Pat
         lines += [f"  - name: {name}", f"    value: {json.dumps(value, ensure_ascii=False)}"]  # JSON is YAML as well
     written = copied([FARMS / "openjd" / kind / "template.yaml"], folder)
     path = folder / "parameter_values.yaml"
-    try:
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise refused(path, error) from error
+    write_whole(path, "\n".join([*lines, ""]), write_text)
     return [*written, path]
 
 
@@ -56,9 +54,5 @@ def copied(paths: list[Path], folder: Path) -> list[Path]:
         folder.mkdir(exist_ok=True)
         return [Path(shutil.copyfile(path, folder / path.name)) for path in paths]
     except OSError as error:
-        raise refused(folder, error) from error
-
-
-def refused(path: Path, error: OSError) -> ParadescError:
-    """The error for a file that cannot be written."""
-    return ParadescError(abi.STATUS_UNKNOWN, f'"{path}" cannot be written: {error.strerror or error}.')
+        sentence = f'"{folder}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error

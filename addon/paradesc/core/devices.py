@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import takewhile
 
 from .. import bridge
 from ..bridge import ParadescError
@@ -42,28 +43,17 @@ class Device:
 @lru_cache(maxsize=1)
 def found() -> tuple[Device, ...]:
     """Every graphics card, the software rasterizer, the reference, and the processor."""
-    return (*graphics_cards(), first_of("software"), first_of("reference"), first_of("cpu"))
+    cards = [*takewhile(lambda card: card.name, (device_of("gpu", index) for index in range(MOST)))]
+    return (*(cards or [device_of("gpu")]), device_of("software"), device_of("reference"), device_of("cpu"))
 
 
-def graphics_cards() -> list[Device]:
-    """Each graphics card; if there is none, one row that says why."""
-    cards: list[Device] = []
-    for index in range(MOST):
-        try:
-            with bridge.Context("gpu", index) as context:
-                cards.append(Device("gpu", index, context.device))
-        except ParadescError:
-            break
-    return cards or [first_of("gpu")]
-
-
-def first_of(backend: str) -> Device:
-    """The device that a backend chooses by itself."""
+def device_of(backend: str, index: int = -1) -> Device:
+    """A device of a backend, by default that which the backend chooses by itself."""
     try:
-        with bridge.Context(backend) as context:
-            return Device(backend, -1, context.device)
+        with bridge.Context(backend, index) as context:
+            return Device(backend, index, context.device)
     except ParadescError as error:
-        return Device(backend, -1, "", error.sentence)
+        return Device(backend, index, "", error.sentence)
 
 
 def about(backend: str) -> str:

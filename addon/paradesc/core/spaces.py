@@ -83,6 +83,13 @@ def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
         maps.corner_tangents[:, :3] = unit(maps.corner_tangents[:, :3] @ linear.T)
 
 
+def turned(directions: np.ndarray, linear: np.ndarray) -> np.ndarray:
+    """(n, 3) float32 unit vectors of directions (n, 3) that a (3, 3) matrix turns; NaN where there are none."""
+    found = directions.astype(np.float64) @ linear.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (found / np.linalg.norm(found, axis=1, keepdims=True)).astype(np.float32)
+
+
 def unit(vectors: np.ndarray) -> np.ndarray:
     """(n, 3) float32 unit vectors; zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -203,10 +203,7 @@ def turned(results: Results, name: str, high: Part, low: Part) -> np.ndarray:
     values = results.values[name]
     if values.ndim == 1 or results.settings.space == "world":
         return values
-    linear = np.linalg.solve(low.matrix[:3, :3], high.matrix[:3, :3])
-    directions = values.astype(np.float64) @ linear.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return (directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32)
+    return spaces.turned(values, np.linalg.solve(low.matrix[:3, :3], high.matrix[:3, :3]))
 
 
 def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ParadescError, abi
-from ..core import color_maps, corners, legend
+from ..core import color_maps, corners, legend, spaces
 from ..core.distributions import statistics
 from ..core.job import Results
 
@@ -148,9 +148,7 @@ def world_values(baked: Baked, name: str) -> np.ndarray:
     values = baked.results.values[name]
     if values.ndim == 1 or baked.results.settings.space == "world":
         return values
-    turned = values.astype(np.float64) @ baked.matrix_world[:3, :3].T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return (turned / np.linalg.norm(turned, axis=1, keepdims=True)).astype(np.float32)
+    return spaces.turned(values, baked.matrix_world[:3, :3])
 
 
 def report(baked: Baked) -> dict[str, object]:
