@@ -4,7 +4,7 @@ import ctypes
 import platform
 import sys
 from ctypes import byref, sizeof
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -278,20 +278,10 @@ def descriptors() -> tuple[Descriptor, ...]:
     for index in range(library.pdesc_descriptor_count()):
         info = new_struct(library, abi.DescriptorInfo)
         check(library, library.pdesc_descriptor_get(index, byref(info)))
-        rows.append(
-            Descriptor(
-                text(info.name),
-                MASK_LABELS.get(text(info.name), text(info.label)),
-                text(info.description),
-                info.length_power,
-                bool(info.is_signed),
-                info.neutral_value,
-                info.display_minimum,
-                info.display_maximum,
-                info.components,
-                info.map_degree,
-            )
-        )
+        found = {row.name: getattr(info, row.name) for row in fields(Descriptor)}
+        found.update(name=text(info.name), label=text(info.label), description=text(info.description))
+        found.update(label=MASK_LABELS.get(found["name"], found["label"]), is_signed=bool(info.is_signed))
+        rows.append(Descriptor(**found))
     return tuple(rows)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..bridge import ProgressFunction, origin, unusable
+from .polygons import listed
 from .threads import go_on
 
 THRESHOLD = 0.05  # of the largest response
@@ -101,8 +102,7 @@ class Around:
         """The neighbors of places, some of them twice, as two arrays: the row in places, and the neighbor."""
         counts = self.begin[places + 1] - self.begin[places]
         rows = np.repeat(np.arange(len(places)), counts)
-        within = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-        corners = self.corners[self.begin[places][rows] + within]
+        corners = self.corners[listed(self.begin[places], counts)]
         own = corners % 3
         ahead, behind = corners - own + (own + 1) % 3, corners - own + (own + 2) % 3
         return np.concatenate([rows, rows]), self.of_corners[np.concatenate([ahead, behind])]
@@ -117,7 +117,7 @@ def around(triangles: np.ndarray, count: int, step: Callable[[], None]) -> Aroun
     for start in range(0, len(of_corners), PART):
         group = (of_corners[start : start + PART] // GROUP).astype(np.uint16)
         order, counts = np.argsort(group, kind="stable"), np.bincount(group, minlength=len(free))
-        corners[np.repeat(free - np.cumsum(counts) + counts, counts) + np.arange(len(order))] = start + order
+        corners[listed(free, counts)] = start + order
         free += counts
         step()
     for place in range(0, count, GROUP):
@@ -160,11 +160,3 @@ def has_higher(
         waiting += [(fresh, ring)] if len(fresh) else []
         step()
     return higher
-
-
-def listed(corners: Corners, positions: np.ndarray, response: np.ndarray) -> list[dict[str, object]]:
-    """Plain numbers for a file, one row for each corner: vertex, position, response."""
-    return [
-        {"vertex": int(vertex), "position": [float(x) for x in positions[vertex]], "response": float(response[vertex])}
-        for vertex in corners.vertices
-    ]

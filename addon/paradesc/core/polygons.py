@@ -51,6 +51,12 @@ class PolygonMesh:
         return MeshArrays(self.positions, self.corner_vertices, triangles, self.corner_uvs)
 
 
+def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The indices of all items of lists that begin at places (n,) and have these lengths (n,)."""
+    before = np.cumsum(sizes) - sizes
+    return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
+
+
 def vertices_at(corners: np.ndarray, vertex_count: int) -> np.ndarray:
     """(n,) int64 vertices that a file has at corners (n,), numbers of any type; ValueError if one is not there."""
     if corners.size and not 0 <= corners.min() <= corners.max() < vertex_count:

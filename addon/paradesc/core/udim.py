@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..bridge import MeshArrays
+from .polygons import listed
 
 COLUMNS, ROWS = 10, 100
 FIRST = 1001
@@ -187,7 +188,7 @@ def meetings(uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     first, span = boxes(uvs)
     count = span.prod(axis=1)
     triangles = np.repeat(np.arange(len(uvs)), count)
-    step = np.arange(len(triangles)) - np.repeat(np.cumsum(count) - count, count)
+    step = listed(np.zeros_like(count), count)
     columns = span[triangles, 0]
     squares = first[triangles] + np.column_stack([step % columns, step // columns])
     doubtful = np.flatnonzero(count[triangles] > 1)

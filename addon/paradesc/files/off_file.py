@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, vertices_at
-from .text_rows import Rows, listed, plain, rows_of
+from ..core.polygons import PolygonMesh, listed, vertices_at
+from .text_rows import Rows, plain, rows_of
 
 # The keyword, which may be missing, and may be followed by the numbers at once.
 KEYWORD = re.compile(rb"\s*((?i:(?:ST)?C?)N?(4?)(n?)(?i:OFF))?(\s+BINARY\b)?")

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh, triangles_of, vertices_at
-from .text_rows import MARK, listed, plain, rows_of, shown
+from ..core.polygons import PolygonMesh, listed, triangles_of, vertices_at
+from .text_rows import MARK, plain, rows_of, shown
 
 KINDS = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",

@@ -186,7 +186,11 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
     found = baked.results
     if found.corners is None:
         return []
-    return corners.listed(found.corners, baked.arrays.positions, found.values[found.harris])
+    positions, response = baked.arrays.positions, found.values[found.harris]
+    return [
+        {"vertex": int(vertex), "position": [float(x) for x in positions[vertex]], "response": float(response[vertex])}
+        for vertex in found.corners.vertices
+    ]
 
 
 def write_json(path: Path, content: object) -> None:

@@ -49,12 +49,6 @@ def rows_of(lines: list[bytes], kind: type = np.float64) -> Rows:
     return Rows(values, np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64))
 
 
-def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The indices of all items of lists that begin at places (n,) and have these lengths (n,)."""
-    before = np.cumsum(sizes) - sizes
-    return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
-
-
 def numbers_in(text: bytes, kind: type = np.float64) -> np.ndarray | None:
     """(n,) numbers between blanks, or None if anything else stands there."""
     if not text.strip():
