@@ -330,7 +330,7 @@ def error_of(arrays, settings, size):
     for name in settings.descriptors:
         one, other = (maps.drawn(maps.user_uvs(baked), size, baked, name) for baked in (few, each))
         assert np.array_equal(np.isnan(one), np.isnan(other))
-        scale = mask_image.scale_of(each.shown(name), job.registry_row(name).neutral_value)
+        scale = mask_image.scale_of(each.results.shown(name), job.registry_row(name).neutral_value)
         one, other = (np.clip(image, scale.low, scale.high) for image in (one, other))
         errors[name] = 100 * float(np.nanmean(np.abs(one - other))) / (scale.high - scale.low)
     return errors

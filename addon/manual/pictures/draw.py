@@ -11,7 +11,7 @@ import picture
 
 from paradesc.commands import outputs
 from paradesc.commands.main import main
-from paradesc.core import legend
+from paradesc.core import color_maps, legend
 from paradesc.files import png
 from paradesc.files.results import Baked
 
@@ -22,8 +22,9 @@ def write_picture(path: Path, baked: Baked) -> None:
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
     for name in baked.results.values:
-        shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
-        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), shown))
+        shown = baked.results.shown(name) if baked.results.values[name].ndim == 1 else None
+        colors = color_maps.colors(baked.results.values[name], baked.results.shown(name))
+        views.append(picture.View(colors, legend.title(name, baked.unit(name)), shown))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
 
 

@@ -55,7 +55,7 @@ def described(subject: Subject) -> dict[str, object]:
             report = native.report()
             hint = advice.suggested(report, advice.texels_per_length(arrays))
             options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
-            # What a software rasterizer takes, which uses main memory.
+            # A software rasterizer uses main memory.
             memory = native.memory(["mean_curvature"], options, "software")
     except bridge.ParadescError as error:
         counts = {"vertices": subject.vertices, "faces": subject.faces}

@@ -309,7 +309,7 @@ def drawn(
     if values.ndim == 2:
         scale, span = mask_image.signed_scale(0.0, 1.0), None
     else:
-        span = baked.shown(name)
+        span = baked.results.shown(name)
         scale = mask_image.scale_of(span, row.neutral_value)
         neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
         values = np.where(np.isfinite(values), values, np.float32(neutral))

@@ -169,8 +169,10 @@ def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
     }
     for name in baked.results.values:
         values = drawn(baked.results.layout, len(buffers["chart"]), baked, name)
-        shown = values if values.shape[2] == 3 else color_maps.colors(values.reshape(-1), baked.shown(name))
-        shown = 0.5 + 0.5 * shown if values.shape[2] == 3 else shown.reshape(*values.shape[:2], 3)
+        if values.shape[2] == 3:
+            shown = 0.5 + 0.5 * values
+        else:
+            shown = color_maps.colors(values.reshape(-1), baked.results.shown(name)).reshape(*values.shape[:2], 3)
         views[name] = np.where(np.isfinite(values).all(axis=2)[:, :, None], shown, 0.12)
     return views
 

@@ -44,17 +44,9 @@ class Baked:
         """The results and extras as (n,) columns."""
         return columns_of({**self.results.values, **self.results.extras})
 
-    def shown(self, name: str) -> color_maps.ValueRange:
-        """The range of values that the colors of a descriptor span."""
-        return self.results.shown(name)
-
     def unit(self, name: str) -> str:
         """The unit of a descriptor's values as text."""
         return legend.unit_of(name, self.results.settings.options.map_descriptor)
-
-    def colors(self, name: str) -> np.ndarray:
-        """(vertex_count, 3) float32 display colors of a descriptor."""
-        return color_maps.colors(self.results.values[name], self.shown(name))
 
 
 def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -67,7 +59,7 @@ def columns_of(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def write_npz(path: Path, baked: list[Baked]) -> None:
-    """Writes the arrays of an object. Of several objects, each name follows that of its object and a slash."""
+    """Writes the arrays of an object; if there are several, each name follows that of its object and a slash."""
     arrays = arrays_of(baked[0])
     if len(baked) > 1:
         arrays = {f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
@@ -88,7 +80,8 @@ def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
 
 def write_ply(path: Path, baked: Baked) -> None:
     """Writes a binary PLY in object space: vertices or faces with the first descriptor's colors, and all values."""
-    colors = np.round(255 * baked.colors(next(iter(baked.results.values)))).astype(np.uint8)
+    first, column = next(iter(baked.results.values.items()))
+    colors = np.round(255 * color_maps.colors(column, baked.results.shown(first))).astype(np.uint8)
     values = dict(zip(("red", "green", "blue"), colors.T, strict=True))
     values |= {name: array.astype("<f4") for name, array in baked.columns.items()}
     place = baked.arrays.positions.dtype.newbyteorder("<")
@@ -156,7 +149,7 @@ def report(baked: Baked) -> dict[str, object]:
     results = baked.results
     ranges = {}
     for name, values in results.values.items():
-        shown = baked.shown(name)
+        shown = results.shown(name)
         ranges[name] = {
             **statistics(values),
             "shown_minimum": shown.minimum,
