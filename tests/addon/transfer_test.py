@@ -138,7 +138,7 @@ def test_several_coarse_meshes_in_one_file_share_a_range_of_colors(low, high):
     found = [transfer.run(low, [high], settings_of("mean_curvature"), 32) for _ in range(2)]
     found[1].transfer.measured["mean_curvature"] = 3 + found[1].transfer.measured["mean_curvature"]
     whole = joined([Baked(f"low {k}", results, low.arrays, np.eye(4)) for k, results in enumerate(found)])
-    assert whole.shown("mean_curvature").maximum == pytest.approx(3.5, abs=0.01)
+    assert whole.results.shown("mean_curvature").maximum == pytest.approx(3.5, abs=0.01)
 
 
 def test_a_layout_that_was_made_for_the_detailed_mesh_stays_with_it(low, high, monkeypatch):

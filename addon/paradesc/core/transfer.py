@@ -56,12 +56,8 @@ class Surface:
 
     positions: np.ndarray  # (n, 3) float32
     triangles: np.ndarray  # (triangle_count, 3) int32
-    values: dict[str, np.ndarray]  # each (n,) or (n, 3) float32, "coverage" among them
-
-    @property
-    def measured(self) -> dict[str, np.ndarray]:
-        """The values without the coverage."""
-        return {name: column for name, column in self.values.items() if name != "coverage"}
+    values: dict[str, np.ndarray]  # each (n,) or (n, 3) float32
+    coverage: np.ndarray  # (n,) float32
 
 
 @dataclass
@@ -145,7 +141,7 @@ def run(
         at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage, begun)
         results = at_low_vertices(surface, at_vertices, found, names)
         projection.base = replace(results)
-        results.transfer = Transfer(names, cage, 0, 0, surface.measured, {})
+        results.transfer = Transfer(names, cage, 0, 0, surface.values, {})
         results.tiles = projection
         return results
     at_vertices, at_texels, covered = projection.look(None, rays, projecting)
@@ -190,11 +186,11 @@ def joined(low: Part, highs: list[Part], found: list[Results], middle: np.ndarra
         name: np.concatenate([turned(one, name, high, low) for one, high in zip(found, highs, strict=True)])
         for name in names
     }
-    values["coverage"] = np.concatenate([one.coverage for one in found])
     return Surface(
         np.concatenate([high.points - middle for high in highs]).astype(np.float32),
         np.concatenate([high.triangles + start for high, start in zip(highs, starts, strict=False)]).astype(np.int32),
         values,
+        np.concatenate([one.coverage for one in found]),
     )
 
 
@@ -228,7 +224,7 @@ def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], names: list[str]) -> Results:
     """The results at the low-poly mesh's vertices, with the reports of the detailed meshes."""
     values = {name: hits.values(column) for name, column in surface.values.items()}
-    coverage = values.pop("coverage")
+    coverage = hits.values(surface.coverage)
     first = found[0]
     warnings = [
         f'"{name}": {line}'
@@ -266,11 +262,11 @@ def over_uv_map(surface: Surface, hits: bridge.Hits, covered: np.ndarray, cage: 
     missed = np.zeros(covered.shape, bool)
     missed[covered] = hits.missed
     images = {}
-    for name, column in surface.measured.items():
+    for name, column in surface.values.items():
         image = np.full((*covered.shape, column.size // len(column)), np.nan, np.float32)
         image[covered] = hits.values(column).reshape(-1, image.shape[2])
         images[name] = filled(image, missed)
-    return Transfer([], cage, int(covered.sum()), int(missed.sum()), surface.measured, images)
+    return Transfer([], cage, int(covered.sum()), int(missed.sum()), surface.values, images)
 
 
 def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:
