@@ -10,25 +10,8 @@ from ..core import job, legend
 from ..files import cache
 from ..files.frame_baking import Baker, Done, FrameRequest
 from ..files.results import make_folder
-from . import animate_files
-from .common import (
-    Parser,
-    Progress,
-    UsageError,
-    add_objects_options,
-    print_notes,
-)
+from . import animate_files, common, options
 from .look_options import fixed_range
-from .options import (
-    add_computation_options,
-    add_input,
-    add_map_options,
-    add_source,
-    check_preset,
-    notes_of_preset,
-    opened_settings,
-    settings_of,
-)
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
@@ -36,13 +19,13 @@ STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 HELP = "compute descriptors at frames of an animation into a frame cache"
 
 
-def add_options(parser: Parser) -> None:
+def add_options(parser: common.Parser) -> None:
     """The command's options."""
-    add_input(parser)
-    add_objects_options(parser)
-    add_source(parser, "deformed")
-    add_computation_options(parser)
-    add_map_options(parser)
+    options.add_input(parser)
+    common.add_objects_options(parser)
+    options.add_source(parser, "deformed")
+    options.add_computation_options(parser)
+    options.add_map_options(parser)
     add = parser.add_argument
     add("--frames", metavar="A:B[:STEP]", help="frames to compute (default: those of the scene, or all files)")
     add("--cache", metavar="FOLDER", type=Path,
@@ -56,21 +39,21 @@ def add_options(parser: Parser) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the missing frames; returns the report on all frames that exist then."""
-    settings_of(arguments)
-    check_preset(arguments.preset)
+    options.settings_of(arguments)
+    options.check_preset(arguments.preset)
     chosen = animate_files.parse_frames(arguments.frames)
     if arguments.all and arguments.object:
-        raise UsageError("Give --object or --all, not both.")
+        raise common.UsageError("Give --object or --all, not both.")
     source = animate_files.source_of_frames(arguments)
     notes = source.open()
     opened = source.picked()
-    settings = opened_settings(arguments)
+    settings = options.opened_settings(arguments)
     if isinstance(source, animate_files.SequenceSource):
         arguments.source = animate_files.SOURCE
-    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
+    notes += opened.notes + options.notes_of_preset(arguments.preset_content, has_colors=False)
     wanted, root = chosen or source.frame_range(), source.cache_folder()
     reports = []
-    with Progress(arguments.progress) as progress:
+    with common.Progress(arguments.progress) as progress:
         for index, target in enumerate(opened.objects):
             folder = cache.object_folder(root, target.name)
             make_folder(folder)
@@ -87,7 +70,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
         print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
-    print_notes(notes)
+    common.print_notes(notes)
     return {
         "settings": settings.as_dict(),
         "source": arguments.source,
@@ -140,5 +123,5 @@ def print_summary(report: dict, settings: job.Settings) -> None:
     for name, shown in report["ranges"].items():
         unit = legend.unit_of(name, settings.options.map_descriptor)
         print(f"  {name}: {shown.minimum:.6g} to {shown.maximum:.6g} {unit}".rstrip())
-    print_notes([*report["notes"], *report["warnings"]])
+    common.print_notes([*report["notes"], *report["warnings"]])
     print(f"wrote {report['folder']}")

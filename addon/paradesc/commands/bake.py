@@ -10,41 +10,21 @@ from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
 from ..core.face_centers import DOMAINS
 from ..files import preset_rules, results
-from . import images, pairs
-from .common import (
-    Parser,
-    Progress,
-    UsageError,
-    add_objects_options,
-    check_overwriting,
-    open_file,
-    print_notes,
-    saves_scene,
-)
+from . import common, images, options, pairs
 from .look_options import add_look_options, look_of
-from .options import (
-    add_computation_options,
-    add_input,
-    add_map_options,
-    add_source,
-    check_preset,
-    notes_of_preset,
-    opened_settings,
-    settings_of,
-)
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
 from .sources import Source, Target, scene_source, source_of, world_matrix
 
 HELP = "compute descriptors and write them to files"
 
 
-def add_options(parser: Parser) -> None:
+def add_options(parser: common.Parser) -> None:
     """The command's options."""
-    add_input(parser)
-    add_objects_options(parser)
-    add_source(parser, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
-    add_computation_options(parser)
-    add_map_options(parser)
+    options.add_input(parser)
+    common.add_objects_options(parser)
+    options.add_source(parser, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
+    options.add_computation_options(parser)
+    options.add_map_options(parser)
     pairs.add_pair_options(parser)
     add_output_files(parser)
     add_look_options(parser)
@@ -68,21 +48,21 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     source = source_of(arguments)
     notes = source.open()
     opened = pairs.picked(source, arguments)
-    settings = opened_settings(arguments)
-    notes += opened.notes + notes_of_preset(arguments.preset_content, has_colors=True)
+    settings = options.opened_settings(arguments)
+    notes += opened.notes + options.notes_of_preset(arguments.preset_content, has_colors=True)
     check_values(arguments, settings)
-    check_overwriting(files_of(arguments), open_file(), arguments.force)
+    common.check_overwriting(files_of(arguments), common.open_file(), arguments.force)
     read = time.monotonic()
     # Detailed objects of another file are removed at the end: no output has them.
     with pairs.with_highs(source, opened.objects, arguments) if onto else nullcontext() as highs:
         baked = bake_objects(source, opened.objects, settings, arguments, highs)
     computed = time.monotonic()
-    if saves_scene(arguments):
+    if common.saves_scene(arguments):
         source.write(opened.objects, baked)
     files = write_files(arguments, baked, source)
     for one in baked:
         print_summary(one)
-    print_notes(notes)
+    common.print_notes(notes)
     for path in files["outputs"]:
         print(f"wrote {path}")
     warnings = [
@@ -108,21 +88,21 @@ def check(arguments: argparse.Namespace) -> None:
     """Refuses options that contradict each other, before any file is opened."""
     if arguments.pack and arguments.descriptors is None:
         arguments.descriptors = ",".join(arguments.pack)
-    settings = settings_of(arguments)
+    settings = options.settings_of(arguments)
     lacking = [name for name in arguments.pack if name not in settings.descriptors]
     if lacking:
-        raise UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
-    check_preset(arguments.preset)
+        raise common.UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
+    options.check_preset(arguments.preset)
     check_files(arguments)
     for given in (arguments.from_file, arguments.displacement, arguments.normal_map):
-        check_overwriting(files_of(arguments), given, arguments.force)
+        common.check_overwriting(files_of(arguments), given, arguments.force)
     pairs.check_pair_options(arguments)
     if arguments.all and arguments.object:
-        raise UsageError("Give --object or --all, not both.")
+        raise common.UsageError("Give --object or --all, not both.")
     if arguments.corner_threshold is not None:
         corners.check_threshold(arguments.corner_threshold)
     if arguments.material_maps and (arguments.displacement or arguments.normal_map):
-        raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
+        raise common.UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
 
 
 def bake_objects(
@@ -135,20 +115,20 @@ def bake_objects(
     """Computes each object, or the detailed ones in its place. Objects with one mesh share its results, if possible."""
     scene_look = scene_source(arguments).look() if arguments.scene_settings else None
     look = look_of(arguments, preset_rules.look_of(arguments.preset_content, scene_look))
-    if saves_scene(arguments):
+    if common.saves_scene(arguments):
         source.check_writable(targets)
     its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original" or onto
     baked: list[results.Baked] = []
     of_mesh: dict[str, results.Baked] = {}
-    with Progress(arguments.progress) as progress:
+    with common.Progress(arguments.progress) as progress:
         for index, target in enumerate(targets):
             known = None if its_own else of_mesh.get(source.mesh_name(target))
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
                     # The own normals of a low-poly object are not measured.
-                    options = replace(settings.options, normals="fitted") if onto else settings.options
-                    read = source.read(target, replace(settings, options=options))
+                    fitted = replace(settings, options=replace(settings.options, normals="fitted"))
+                    read = source.read(target, fitted if onto else settings)
                     arrays, reading, notes = read.arrays, read.reading, read.notes
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
@@ -230,4 +210,4 @@ def print_summary(baked: results.Baked) -> None:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
     if found.corners is not None:
         print(f"  corners: {len(found.corners.vertices):,}")
-    print_notes([*baked.notes, *found.warnings])
+    common.print_notes([*baked.notes, *found.warnings])
