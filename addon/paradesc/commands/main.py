@@ -11,38 +11,24 @@ from .. import __version__
 from ..bridge import ParadescError
 from ..core import contexts
 from ..files import results
-from . import COMMANDS, modules
-from .common import (
-    EXIT_CHECK,
-    EXIT_FAILED,
-    EXIT_OK,
-    EXIT_USAGE,
-    Parser,
-    UsageError,
-    add_output_options,
-    check_outputs,
-    exit_code,
-    open_file,
-    tell_openjd,
-    with_also,
-)
+from . import COMMANDS, common, modules
 from .signals import Signals, Terminated
 
 # The schema of the JSON reports. It grows if a key changes its meaning or goes, but not if a key is new.
 SCHEMA = 1
 
 
-def make_parser() -> Parser:
+def make_parser() -> common.Parser:
     """All commands and their options."""
-    parser = Parser(
+    parser = common.Parser(
         prog="paradesc", description="Curvature and other geometric descriptors of meshes, at a radius you choose."
     )
     parser.add_argument("--version", action="version", version=f"paradesc {__version__}")
-    found = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS), parser_class=Parser)
+    found = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS))
     for module in modules():
         command = found.add_parser(module.__name__.rpartition(".")[2], help=module.HELP)
         module.add_options(command)
-        add_output_options(command)
+        common.add_output_options(command)
         command.set_defaults(run=module.run)
     return parser
 
@@ -51,32 +37,33 @@ def main(words: list[str]) -> int:
     """Runs one command; returns the exit code. Any failure is one sentence on the standard error stream."""
     take_any_alphabet()
     try:
-        arguments, unknown = make_parser().parse_known_args(with_also(words))
+        arguments, unknown = make_parser().parse_known_args(common.with_also(words))
         if unknown:
             kind = "is no option" if unknown[0].startswith("-") else "is no place for"
-            raise UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
-    except UsageError as error:
-        return say(str(error), exit_code(error))
+            raise common.UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
+    except common.UsageError as error:
+        return say(str(error), common.exit_code(error))
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
     if prints_json(arguments) and getattr(arguments, "progress", None) == "openjd":
-        return say("--json - and --progress openjd both write to the standard output; name a file.", EXIT_USAGE)
+        return say("--json - and --progress openjd both write to the standard output; name a file.", common.EXIT_USAGE)
     if reports_over_input(arguments):
-        return say(f'"{arguments.json}" is the input; choose another file for the report.', EXIT_USAGE)
+        return say(f'"{arguments.json}" is the input; choose another file for the report.', common.EXIT_USAGE)
     try:
         with Signals(raises=True):
             with muted(arguments):
-                check_outputs([arguments.json])
+                common.check_outputs([arguments.json])
                 content = arguments.run(arguments) or {}
             sentence = " ".join(content.get("failed_checks", []))
-            code = EXIT_CHECK if sentence else EXIT_OK
+            code = common.EXIT_CHECK if sentence else common.EXIT_OK
             write_report(arguments, content, code, sentence)
-    except (UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
-        return fail(arguments, sentence_of(error), exit_code(error))
+    except (common.UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
+        return fail(arguments, sentence_of(error), common.exit_code(error))
     except Exception as error:  # a defect of ours; --verbose shows where
         if getattr(arguments, "verbose", False):
             raise
-        return fail(arguments, f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
+        sentence = f"Unexpected {type(error).__name__}: {error} (--verbose says where)."
+        return fail(arguments, sentence, common.EXIT_FAILED)
     finally:
         contexts.close_idle()
     return say(sentence, code, arguments) if sentence else code
@@ -119,7 +106,7 @@ def reports_over_input(arguments: argparse.Namespace) -> bool:
     path: Path | None = getattr(arguments, "json", None)
     if path is None or prints_json(arguments):
         return False
-    inputs = (getattr(arguments, "input", None), open_file())
+    inputs = (getattr(arguments, "input", None), common.open_file())
     return any(given is not None and path.resolve() == given.resolve() for given in inputs)
 
 
@@ -128,7 +115,7 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
     path: Path | None = getattr(arguments, "json", None)
     if path is None:
         return
-    status = {EXIT_OK: "ok", EXIT_CHECK: "check failed"}.get(code, "failed")
+    status = {common.EXIT_OK: "ok", common.EXIT_CHECK: "check failed"}.get(code, "failed")
     given = getattr(arguments, "input", None)
     report = {
         "schema": SCHEMA,
@@ -144,7 +131,7 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
         print(results.json_text(report, ascii_only=True), end="")
         return
     results.write_whole(path, report, results.write_json)
-    if code in (EXIT_OK, EXIT_CHECK) and not arguments.quiet:
+    if code in (common.EXIT_OK, common.EXIT_CHECK) and not arguments.quiet:
         print(f"wrote {path}")
 
 
@@ -158,6 +145,6 @@ def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
 def say(sentence: str, code: int, arguments: argparse.Namespace | None = None) -> int:
     """Prints the failure on one line, and tells it a session of Open Job Description, with --progress openjd."""
     if getattr(arguments, "progress", None) == "openjd":
-        tell_openjd("fail", sentence)
+        common.tell_openjd("fail", sentence)
     print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
     return code

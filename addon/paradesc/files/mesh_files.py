@@ -11,17 +11,7 @@ import numpy as np
 
 from ..bridge import InputError, ParadescError, origin
 from ..core.polygons import PolygonMesh
-from . import (
-    gltf_file,
-    neuro_files,
-    obj_file,
-    off_file,
-    ply_file,
-    stl_file,
-    vtk_legacy_file,
-    vtp_file,
-    wrong_kinds,
-)
+from . import gltf_file, neuro_files, obj_file, off_file, ply_file, stl_file, vtk_legacy_file, vtp_file, wrong_kinds
 from .gltf_file import UnknownError
 from .paths import is_file
 
