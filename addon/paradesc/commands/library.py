@@ -5,6 +5,7 @@ import os
 import re
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -144,15 +145,10 @@ def found(folder: Path) -> Iterator[tuple[str, int]]:
         for name in sorted(names):
             path = Path(root, name)
             if path.suffix.lower() in mesh_files.SUFFIXES and not name.startswith("."):
-                yield path.relative_to(folder).as_posix(), size_of(path)
-
-
-def size_of(path: Path) -> int:
-    """The size of a file in bytes, 0 if it cannot be told."""
-    try:
-        return path.stat().st_size
-    except OSError:
-        return 0
+                size = 0  # if it cannot be told
+                with suppress(OSError):
+                    size = path.stat().st_size
+                yield path.relative_to(folder).as_posix(), size
 
 
 def work_of(arguments: argparse.Namespace, settings: job.Settings, workers: int) -> Work:

@@ -73,7 +73,10 @@ def frame_path(folder: Path, frame: int) -> Path:
 
 def object_folder(folder: Path, name: str, others: Iterable[Path] = ()) -> Path:
     """The folder of an object's frames, different from those of other objects in this folder or among the others."""
-    return folder / file_names.folder_name(name, {path.name for path in others} | file_names.names_in(folder))
+    there = {path.name for path in others}
+    with suppress(OSError):  # it may not be there yet
+        there.update(path.name for path in folder.iterdir())
+    return folder / file_names.folder_name(name, there)
 
 
 def frames_in(folder: Path) -> dict[int, Path]:

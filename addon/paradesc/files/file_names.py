@@ -5,8 +5,6 @@ import itertools
 import re
 import unicodedata
 from collections.abc import Iterator
-from contextlib import suppress
-from pathlib import Path
 
 # Windows keeps these names for devices, whatever suffix follows.
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
@@ -38,13 +36,6 @@ def folder_name(name: str, there: set[str]) -> str:
     if plain == name and not RESERVED.fullmatch(name) and (name in alike or not alike):
         return plain
     return with_digest(plain, name)
-
-
-def names_in(folder: Path) -> set[str]:
-    """The names of a folder's entries; empty if it cannot be read."""
-    with suppress(OSError):
-        return {path.name for path in folder.iterdir()}
-    return set()
 
 
 def numbered(name: str) -> Iterator[str]:
