@@ -5,9 +5,9 @@ import signal
 import threading
 import weakref
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from ctypes import byref
 from types import FrameType
-from typing import TypeVar
 
 import numpy as np
 
@@ -20,34 +20,36 @@ from .options import BACKENDS, Options, choice, int32, native_options
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
-Own = TypeVar("Own")
 # Ctrl-C, and what else asks a process to end.
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
-class Closing:
-    """Frees what it holds at the end of a with block."""
-
-    def close(self) -> None:
-        """Frees it; a second time does nothing."""
-        raise NotImplementedError
-
-    def __enter__(self: Own) -> Own:
-        return self
+class Closing(AbstractContextManager):
+    """Base of what is closed at the end of a with statement."""
 
     def __exit__(self, *_error: object) -> None:
         self.close()
 
 
-class Field(Closing):
-    """Results at the vertices of one mesh."""
+class Made(Closing):
+    """Base of what the library made for a mesh: close() frees it, or else Python, together with the object."""
 
-    def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
+    def __init__(
+        self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int, destroy: Callable[[object], None]
+    ) -> None:
         self._library = library
         self._pointer = pointer
-        self._vertex_count = vertex_count
-        self._finalizer = weakref.finalize(self, library.pdesc_field_destroy, pointer)
+        self.vertex_count = vertex_count
+        self._finalizer = weakref.finalize(self, destroy, pointer)
         self._finalizer.atexit = False  # a thread may still use it then (core/threads.py)
+
+    def close(self) -> None:
+        """Frees it; the fields of a mesh stay usable."""
+        self._finalizer()
+
+
+class Field(Made):
+    """Results at the vertices of one mesh."""
 
     def report(self) -> dict[str, float | int]:
         """pdesc_field_report by member name."""
@@ -72,15 +74,15 @@ class Field(Closing):
     def values(self, name: str) -> np.ndarray:
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
         width = components(name)
-        values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
+        values = np.empty(self.vertex_count if width == 1 else (self.vertex_count, width), np.float32)
         pointer = address(values)
         check(self._library, self._library.pdesc_field_values(self._pointer, name.encode(), pointer, len(values)))
         return values
 
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
-        mask = np.empty(self._vertex_count, np.uint8)
-        status = self._library.pdesc_field_mask(self._pointer, address(mask), self._vertex_count)
+        mask = np.empty(self.vertex_count, np.uint8)
+        status = self._library.pdesc_field_mask(self._pointer, address(mask), self.vertex_count)
         check(self._library, status)
         return mask
 
@@ -92,20 +94,9 @@ class Field(Closing):
         check(self._library, self._library.pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
         return values
 
-    def close(self) -> None:
-        """Frees the results."""
-        self._finalizer()
 
-
-class Mesh(Closing):
+class Mesh(Made):
     """A mesh, its adjacency, charts and seams; made by Context.mesh()."""
-
-    def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
-        self._library = library
-        self._pointer = pointer
-        self.vertex_count = vertex_count
-        self._finalizer = weakref.finalize(self, library.pdesc_mesh_destroy, pointer)
-        self._finalizer.atexit = False  # a thread may still use it then (core/threads.py)
 
     def report(self) -> dict[str, float | int]:
         """pdesc_mesh_report by member name."""
@@ -168,7 +159,8 @@ class Mesh(Closing):
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
         native = native_options(self._library, options or Options(), buffers)
         pointer = abi.FieldPointer()
-        field = Field(self._library, pointer, self.vertex_count)  # which frees it even if an error is raised
+        # The object frees what is made even if an error is raised.
+        field = Field(self._library, pointer, self.vertex_count, self._library.pdesc_field_destroy)
         with Call(progress) as callback:
             status = self._library.pdesc_compute(
                 self._pointer, byref(native), names, len(descriptors), callback, None, byref(pointer)
@@ -207,10 +199,6 @@ class Mesh(Closing):
         check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs), count))
         return uvs
 
-    def close(self) -> None:
-        """Frees the mesh; its fields stay usable."""
-        self._finalizer()
-
 
 class Context(Closing):
     """A device and its compiled programs. Closing it closes the meshes made from it."""
@@ -240,7 +228,8 @@ class Context(Closing):
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)
         pointer = abi.MeshPointer()
-        mesh = Mesh(self._library, pointer, native.vertex_count)  # which frees it even if an error is raised
+        # The object frees what is made even if an error is raised.
+        mesh = Mesh(self._library, pointer, native.vertex_count, self._library.pdesc_mesh_destroy)
         self._meshes.add(mesh)
         with Call(progress) as native.progress:
             status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))

@@ -127,7 +127,7 @@ class Results:
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
 
     def weighted(self, name: str) -> Weighted:
-        """The values that the range follows from: of texels or detailed surfaces, else of vertices with their areas."""
+        """The values that tell the range: of texels or detailed surfaces, else those of vertices with their areas."""
         if name in self.texel_values:
             return self.texel_values[name], None
         return (self.values[name], self.areas) if self.transfer is None else (self.transfer.measured[name], None)
@@ -265,7 +265,7 @@ def run(
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
 
         def compute(chosen: Settings) -> Results:
-            return run_on(context, mesh, arrays, chosen, progress, with_buffers)
+            return run_on(mesh, arrays, chosen, progress, with_buffers)
 
         return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
 
@@ -315,7 +315,6 @@ def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
 
 
 def run_on(
-    context: bridge.Context,
     mesh: bridge.Mesh,
     arrays: bridge.MeshArrays,
     settings: Settings,
@@ -324,7 +323,7 @@ def run_on(
 ) -> Results:
     """Computes the descriptors on a native mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
-    results = run_radii(context, mesh, settings, computing, with_buffers)
+    results = run_radii(mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
     if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
@@ -342,11 +341,7 @@ def run_on(
 
 
 def run_radii(
-    context: bridge.Context,
-    mesh: bridge.Mesh,
-    settings: Settings,
-    progress: ProgressFunction | None,
-    with_buffers: bool,
+    mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None, with_buffers: bool
 ) -> Results:
     """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)
