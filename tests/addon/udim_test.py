@@ -312,7 +312,7 @@ def test_faces_across_the_border_of_a_tile_are_evaluated_as_finely_as_the_others
     exact = settings_of("cavity", options=replace(SMALL, evaluate="texel"))
     results = texel_tiles.run(across, exact, SIZE, udim.of_mesh(across).tiles)
     _, alone = udim.alone(across, 1012)
-    span = udim.extent(alone.corner_uvs)
+    span = texel_tiles.extent(alone)
     assert 1.05 < span < 1.23  # faces are 0.1125 wide
     assert results.of_tile(1012).maps["cavity"].shape[0] == int(np.ceil(SIZE * span))
 
@@ -325,12 +325,12 @@ def test_texture_space_makes_one_map_for_all_tiles():
     one, other = (pixels(made(arrays, settings=settings[name], look=look, size=48)) for name in ("cpu", "software"))
     for tile in SIX:
         assert np.abs(one[tile] - other[tile]).mean() < 0.05 * 65535
-    assert texel_tiles.side_for(48, texel_tiles.used_uvs(arrays)) == 140  # columns from 0.05 to 2.95
+    assert texel_tiles.side_for(48, arrays) == 140  # columns from 0.05 to 2.95
     assert texel_tiles.run(arrays, settings["software"], 48, SIX).maps["mean_curvature"].shape == (140, 140)
     where_asked = replace(settings["software"], options=replace(options, evaluate="texel", texels=48))
     assert texel_tiles.run_where_asked(arrays, where_asked, SIX).maps["mean_curvature"].shape == (140, 140)
-    assert texel_tiles.coarser(140, 48, arrays.corner_uvs) == []
-    (note,) = texel_tiles.coarser(8192, 4096, arrays.corner_uvs)
+    assert texel_tiles.coarser(140, 48, arrays) == []
+    (note,) = texel_tiles.coarser(8192, 4096, arrays)
     assert "about 2825 along a side" in note
 
 

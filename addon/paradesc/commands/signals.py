@@ -3,7 +3,6 @@
 import ctypes
 import signal
 import threading
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -51,15 +50,9 @@ class Signals:
 
 def swap_native(number: int, handler: int) -> int | None:
     """Sets the C handler of a signal and returns the former one, which Python does not know if Blender has set it."""
-    swap = native_function()
-    return None if swap is None else (swap(number, int(handler)) or 0)
-
-
-def native_function() -> Callable[[int, int], int | None] | None:
-    """C's signal(), or None if it cannot be reached."""
     try:
-        function = ctypes.CDLL(None).signal
+        swap = ctypes.CDLL(None).signal
     except (OSError, TypeError, AttributeError):
-        return None
-    function.argtypes, function.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_void_p
-    return function
+        return None  # C's signal() cannot be reached
+    swap.argtypes, swap.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_void_p
+    return swap(number, int(handler)) or 0

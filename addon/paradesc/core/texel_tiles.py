@@ -29,7 +29,7 @@ class TexelTiles:
         if not self.exact:
             apart, side = texel_centers.centers_for(arrays, self.settings, self.size, shown)
         if apart is arrays:  # the native library shrinks it if faces across the tile's border make it larger than one
-            side = side_for(self.size, arrays.corner_uvs)
+            side = side_for(self.size, arrays)
         of_tile = job.run(apart, texel_centers.with_texels(self.settings, side), progress)
         self.reports[tile] = replace(of_tile, maps={}, layout=None)
         return replace(texel_centers.joined(self.found, of_tile), tiles=None)
@@ -43,9 +43,9 @@ class TexelTiles:
         self.reports.clear()
 
 
-def side_for(size: int, uvs: np.ndarray) -> int:
+def side_for(size: int, arrays: MeshArrays) -> int:
     """The side of one map for all tiles whose texels are as small as those of tiles with size texels a side."""
-    return min(texel_centers.LARGEST_MAP, max(size, int(np.ceil(size * udim.extent(uvs)))))
+    return min(texel_centers.LARGEST_MAP, max(size, int(np.ceil(size * extent(arrays)))))
 
 
 def one_by_one(arrays: MeshArrays, settings: job.Settings, size: int, exact: bool) -> bool:
@@ -78,9 +78,9 @@ def run(
         return at_vertices
     side = size
     if job.backend_for(settings) != "cpu" or arrays.maps is not None:
-        side = side_for(size, used_uvs(arrays))
+        side = side_for(size, arrays)
     results = texel_centers.run(arrays, settings, side, progress)
-    results.notes += coarser(side, size, used_uvs(arrays)) if results.maps else []
+    results.notes += coarser(side, size, arrays) if results.maps else []
     return results
 
 
@@ -101,20 +101,21 @@ def run_where_asked(
         results = job.run(arrays, settings, progress)
         results.tiles = TexelTiles(arrays, settings, size, True, replace(results, maps={}))
         return results
-    side = side_for(size, used_uvs(arrays))
+    side = side_for(size, arrays)
     results = job.run(arrays, texel_centers.with_texels(settings, side), progress, with_buffers)
-    results.notes += coarser(side, size, used_uvs(arrays))
+    results.notes += coarser(side, size, arrays)
     return replace(results, settings=settings)
 
 
-def used_uvs(arrays: MeshArrays) -> np.ndarray:
-    """(n, 2) UV coordinates of the corners that triangles use."""
-    return arrays.corner_uvs[arrays.triangle_corners.reshape(-1)]
+def extent(arrays: MeshArrays) -> float:
+    """The longer side of the box around the UV coordinates of triangles."""
+    used = arrays.corner_uvs[arrays.triangle_corners.reshape(-1)].astype(np.float64)
+    return float(np.ptp(used, axis=0).max())
 
 
-def coarser(side: int, size: int, uvs: np.ndarray) -> list[str]:
+def coarser(side: int, size: int, arrays: MeshArrays) -> list[str]:
     """A note if the one map of all tiles is coarser than the tiles' images."""
-    wanted = size * udim.extent(uvs)
+    wanted = size * extent(arrays)
     if side >= wanted:
         return []
     return [

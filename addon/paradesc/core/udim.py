@@ -292,9 +292,3 @@ def alone(arrays: MeshArrays, tile: int) -> tuple[np.ndarray, MeshArrays]:
     own[:] = uvs[0, 0]
     own[found] = uvs
     return found, unshared(arrays, own)
-
-
-def extent(uvs: np.ndarray) -> float:
-    """The longer side of the box around (n, 3, 2) or (n, 2) UV coordinates."""
-    flat = uvs.reshape(-1, 2).astype(np.float64)
-    return float(np.ptp(flat, axis=0).max())
