@@ -298,8 +298,7 @@ class Call:
 
     def _report(self, _user: int | None, stage: bytes, fraction: float) -> int:
         try:
-            go_on = self._progress is None or bool(self._progress(text(stage), fraction))
-            return int(go_on and not self._caught)
+            return int(not self._caught and (self._progress is None or bool(self._progress(text(stage), fraction))))
         except BaseException as error:  # noqa: BLE001 (raised again once the call has ended)
             self._caught.append(error)
             return 0
