@@ -154,14 +154,14 @@ def test_objects_that_share_a_mesh_keep_the_map_that_one_of_them_needs(settings,
     highs = [add_sphere(name, uv_map=False) for name in ("ball_high", "other_high")]
     select(*highs, other, low)
     bpy.context.view_layer.update()
-    run = image_batch.image_files.run_onto
+    run = image_batch.image_files.run
 
     def fails(stem, *words, **more):
         if failing == "both" or stem == "ball_low":
             raise InputError("no")
         return run(stem, *words, **more)
 
-    monkeypatch.setattr(image_batch.image_files, "run_onto", fails)
+    monkeypatch.setattr(image_batch.image_files, "run", fails)
     if failing == "both":
         with pytest.raises(RuntimeError, match="no"):
             bpy.ops.paradesc.bake_onto()

@@ -338,7 +338,7 @@ def test_tiles_of_a_coarse_mesh_take_the_detail_of_a_fine_one():
     low, high = moved(as_arrays(*cube_sphere(5))), as_arrays(*cube_sphere(24))
     parts = [transfer.Part(name, arrays, arrays, np.eye(4)) for name, arrays in (("low", low), ("high", high))]
     choice = image_files.Choice(48, look=Look(ranges={"": (-1.0, 1.0)}))
-    found = image_files.run_onto("x", parts[0], parts[1:], settings_of("mean_curvature"), choice, 0.0)
+    found = image_files.run("x", image_files.Onto(parts[0], parts[1:], 0.0), settings_of("mean_curvature"), choice)
     assert [texture.tile for texture in found.made] == list(SIX)
     for image in pixels(found).values():
         np.testing.assert_allclose(image, 32768 + 32767 * 0.5, rtol=0.003)  # that of the fine sphere's vertices
@@ -361,7 +361,7 @@ def test_detail_comes_to_the_same_places_where_faces_cross_borders(monkeypatch):
     def image_of(arrays, side):
         parts = [transfer.Part(name, mesh, mesh, np.eye(4)) for name, mesh in (("low", arrays), ("high", high))]
         choice = image_files.Choice(side, look=look)
-        return image_files.run_onto("x", parts[0], parts[1:], settings_of("mean_curvature"), choice, 0.0)
+        return image_files.run("x", image_files.Onto(parts[0], parts[1:], 0.0), settings_of("mean_curvature"), choice)
 
     image = pixels(image_of(moved(low, (2, 2), (0.5, 0.5)), size))
     (expected,) = pixels(image_of(moved(low, (2 / 3, 2 / 3), (1 / 6, 1 / 6)), 3 * size)).values()

@@ -97,6 +97,15 @@ class Encoded:
     bright: float  # and nearly white
 
 
+@dataclass(frozen=True)
+class Onto:
+    """Detailed surfaces that are measured for the UV map of a low-poly one; cage: as transfer.run() takes it."""
+
+    low: transfer.Part
+    highs: list[transfer.Part]
+    cage: float
+
+
 @dataclass
 class Computed:
     """The results from which the textures of one object are drawn."""
@@ -139,73 +148,44 @@ def word_of(name: str) -> str:
 
 def run(
     stem: str,
-    arrays: MeshArrays,
+    mesh: MeshArrays | Onto,
     settings: job.Settings,
     choice: Choice,
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    return made_by(partial(computed, stem, arrays, settings, choice), arrays, choice, progress)
+    before = BEGINNING if udim.of_mesh(arrays_of(mesh)).tiles else COMPUTING
+    found = computed(stem, mesh, settings, choice, job.span_of(progress, 0.0, before))
+    return packed(found, choice, job.span_of(progress, before, 1.0))
 
 
-def run_onto(
-    stem: str,
-    low: transfer.Part,
-    highs: list[transfer.Part],
-    settings: job.Settings,
-    choice: Choice,
-    cage: float,
-    progress: ProgressFunction | None = None,
-) -> Textures:
-    """Makes the textures of detailed surfaces over the UV map of a low-poly one; cage: as transfer.run() takes it."""
-    compute = partial(computed_onto, stem, low, highs, settings, choice, cage)
-    return made_by(compute, low.arrays, choice, progress)
-
-
-def made_by(
-    compute: Callable[[ProgressFunction | None], Computed],
-    arrays: MeshArrays,
-    choice: Choice,
-    progress: ProgressFunction | None,
-) -> Textures:
-    """Computes, and draws and packs the textures."""
-    before = BEGINNING if udim.of_mesh(arrays).tiles else COMPUTING
-    return packed(compute(job.span_of(progress, 0.0, before)), choice, job.span_of(progress, before, 1.0))
+def arrays_of(mesh: MeshArrays | Onto) -> MeshArrays:
+    """The mesh over whose UV map the textures lie."""
+    return mesh.low.arrays if isinstance(mesh, Onto) else mesh
 
 
 def computed(
     stem: str,
-    arrays: MeshArrays,
+    mesh: MeshArrays | Onto,
     settings: job.Settings,
     choice: Choice,
     progress: ProgressFunction | None = None,
 ) -> Computed:
     """Computes the results from which the textures of a mesh are drawn."""
-    tiling, runs = udim.of_mesh(arrays), choice.runs(settings, partial(texel_centers.fitted, arrays))
-    found = [
-        texel_tiles.run(arrays, one, choice.size, tiling.tiles, job.part_of(progress, number, len(runs)))
-        for number, one in enumerate(runs)
-    ]
+    arrays, size = arrays_of(mesh), choice.size
+    tiling = udim.of_mesh(arrays)
+    if isinstance(mesh, Onto):
+        fit = partial(job.fitted, arrays=mesh.highs[0].measured, largest=LARGEST_IN_IMAGES)
+    else:
+        fit = partial(texel_centers.fitted, arrays)
+    found, runs = [], choice.runs(settings, fit)
+    for number, one in enumerate(runs):
+        part = job.part_of(progress, number, len(runs))
+        if isinstance(mesh, Onto):
+            found.append(transfer.run(mesh.low, mesh.highs, one, size, mesh.cage, part, tiling.tiles))
+        else:
+            found.append(texel_tiles.run(arrays, one, size, tiling.tiles, part))
     return Computed(stem, found, arrays, tiling)
-
-
-def computed_onto(
-    stem: str,
-    low: transfer.Part,
-    highs: list[transfer.Part],
-    settings: job.Settings,
-    choice: Choice,
-    cage: float,
-    progress: ProgressFunction | None = None,
-) -> Computed:
-    """Computes the results from which textures of detailed surfaces over a low-poly UV map are drawn."""
-    tiling = udim.of_mesh(low.arrays)
-    runs = choice.runs(settings, partial(job.fitted, arrays=highs[0].measured, largest=LARGEST_IN_IMAGES))
-    found = [
-        transfer.run(low, highs, one, choice.size, cage, job.part_of(progress, number, len(runs)), tiling.tiles)
-        for number, one in enumerate(runs)
-    ]
-    return Computed(stem, found, low.arrays, tiling)
 
 
 def packed(made_of: Computed, choice: Choice, making: ProgressFunction | None = None) -> Textures:

@@ -155,8 +155,8 @@ class ImageBatch(Pieces):
             piece.notes += read.notes
             piece.warnings += read.warnings
             highs.append(pairs.part_of(high, read))
-        run = image_files.run_onto if self.rounds == 1 else image_files.computed_onto
-        return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
+        run = image_files.run if self.rounds == 1 else image_files.computed
+        return partial(run, piece.stem, image_files.Onto(low, highs, self.cage), self.settings, self.choice)
 
     def close(self) -> None:
         """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
