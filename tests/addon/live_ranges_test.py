@@ -143,7 +143,7 @@ def test_a_range_that_was_typed_holds_until_the_colors_are_set_otherwise(stretch
 
 def test_no_range_is_looked_for_while_one_is_held(stretching, monkeypatch):
     switch(stretching)
-    monkeypatch.setattr(color_maps, "percentiles", None)
+    monkeypatch.setattr(color_maps.np, "percentile", None)
     bpy.context.scene.frame_set(3)
     assert stretching.paradesc_live.sentence == ""
 
