@@ -44,7 +44,7 @@ def version() -> str:
 
 
 def first(pattern: str, text: str) -> str:
-    """What the pattern's group finds in the text."""
+    """The text that the pattern's group finds."""
     match = re.search(pattern, text, re.M)
     return match.group(1) if match else ""
 

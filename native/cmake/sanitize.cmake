@@ -1,4 +1,4 @@
-# PARADESC_SANITIZE and PARADESC_FUZZ → options of every target. What is found ends the process.
+# PARADESC_SANITIZE and PARADESC_FUZZ → options of every target. The first finding ends the process.
 if(PARADESC_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "The fuzz targets need Clang's libFuzzer; configure with -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang.")

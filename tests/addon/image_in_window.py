@@ -1,6 +1,6 @@
 """Bake to Image in Blender's window: the texture is seen on the mesh at once, and goes and comes with its button.
 
-run_in_window.sh starts it. What is seen is told by the pixels of the viewport.
+run_in_window.sh starts it. It compares the pixels of the viewport.
 """
 
 import sys

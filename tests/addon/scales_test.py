@@ -150,7 +150,7 @@ def words(monkeypatch, request):
 
 
 def drawn(cls):
-    """What a panel draws."""
+    """The rows that a panel draws."""
     layout = Layout()
     fake = SimpleNamespace(layout=layout)
     if hasattr(cls, "draw_settings"):

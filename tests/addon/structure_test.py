@@ -12,7 +12,7 @@ import pytest
 
 from shapes import ADDON
 
-# The Python package, and the add-on that uses it. What each folder uses, in the order of the data.
+# The Python package, and the add-on that uses it. Each folder has the set of folders that it may use.
 PACKAGES = ("paradesc", "paradesc_blender")
 PACKAGE = {
     "bridge": set(),

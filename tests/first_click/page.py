@@ -45,7 +45,7 @@ def cells(row: "Row") -> list[str]:
 
 
 def verdict(row: "Row") -> str:
-    """What is wrong, or that it is usable."""
+    """The faults of a row, or that it is usable."""
     return ", ".join(row.faults) or "usable"
 
 

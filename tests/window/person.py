@@ -1,4 +1,4 @@
-"""What a person does in Blender's window: looks, moves the mouse, clicks. Every yield lets Blender handle events and draw."""
+"""A person in Blender's window, who looks, moves the mouse and clicks. Blender handles events and draws at a yield."""
 
 import sys
 import time

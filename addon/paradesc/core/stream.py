@@ -216,7 +216,7 @@ def distinct(keys: np.ndarray) -> int:
 def goes_on(results: job.Results) -> bool:
     """Whether a mesh made at other positions would be the same: nothing was taken apart or laid out afresh.
 
-    Where several fans of faces meet in a vertex, the widest represents it, and a private layout depends on areas. Both
+    If several fans of faces meet in a vertex, the widest represents it, and a private layout depends on areas. Both
     may change with the positions.
     """
     if results.mesh_report["nonmanifold_vertices"]:

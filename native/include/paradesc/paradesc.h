@@ -336,7 +336,7 @@ typedef struct pdesc_options {
   double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
   int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
                            some, AUTO only where this asks for them */
-  int32_t creases;      /* pdesc_creases; default AUTO. Where surface maps displace the surface they only end normals */
+  int32_t creases;      /* pdesc_creases; default AUTO. On a surface that maps displace, creases only separate normals */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
