@@ -125,7 +125,7 @@ class Run:
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
     def takes_too_long(self):
-        """Whether the current test does."""
+        """Returns whether the current test does."""
         waited = time.monotonic() - self.began
         return self.processor_seconds() - self.computed > LONGEST_TEST or waited > 10 * LONGEST_TEST
 

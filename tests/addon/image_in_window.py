@@ -29,7 +29,7 @@ def seen() -> np.ndarray:
 
 
 def shows_mask() -> bool:
-    """Whether a black face with bright edges is seen."""
+    """Returns whether a black face with bright edges is seen."""
     pixels = seen()
     return (pixels < BLACK).mean() > 0.3 and (pixels > BRIGHT).mean() > 0.01
 

@@ -264,7 +264,7 @@ def holdings() -> dict[str, float]:
 
 
 def is_source(folder: str) -> bool:
-    """Whether Python would find an add-on there that was not installed."""
+    """Returns whether Python would find an add-on there that was not installed."""
     return (Path(folder) / "paradesc").is_dir()
 
 

@@ -41,7 +41,7 @@ def sphere():
 
 
 def same(first, second):
-    """Whether two results have the same bits."""
+    """Returns whether two results have the same bits."""
     return list(first) == list(second) and all(first[name].tobytes() == second[name].tobytes() for name in first)
 
 

@@ -86,7 +86,7 @@ def below(arrays, place):
 
 
 def same_bits(found, wanted):
-    """Whether both have the same arrays, NaN included."""
+    """Returns whether both have the same arrays, NaN included."""
     return found.keys() == wanted.keys() and all(found[name].tobytes() == wanted[name].tobytes() for name in wanted)
 
 

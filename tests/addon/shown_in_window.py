@@ -37,7 +37,7 @@ def shown() -> tuple[object, ...]:
 
 
 def is_plain() -> bool:
-    """Whether the viewport shows attributes in flat light."""
+    """Returns whether the viewport shows attributes in flat light."""
     return shown()[: len(viewports.PLAIN)] == tuple(viewports.PLAIN.values())
 
 

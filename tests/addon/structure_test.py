@@ -49,7 +49,7 @@ def folder_of(name):
 
 
 def is_package(name):
-    """Whether a module belongs to the Python package, not to the add-on."""
+    """Returns whether a module belongs to the Python package, not to the add-on."""
     return name.startswith("paradesc.")
 
 

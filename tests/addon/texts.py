@@ -94,7 +94,7 @@ def of_settings():
 
 
 def is_for_research(cls, name):
-    """Whether a setting is drawn for research alone, or lists the descriptors, whose tooltips are formulas."""
+    """Returns whether a setting is drawn for research alone, or lists the descriptors, whose tooltips are formulas."""
     hidden = {name for names in research.RESEARCH.values() for name in names} | {"descriptors", "map_descriptor"}
     return name in hidden and issubclass(cls, bpy.types.PropertyGroup)
 

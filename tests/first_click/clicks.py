@@ -110,5 +110,5 @@ def in_image(target: bpy.types.Object, mask: str, image: bpy.types.Image) -> Sho
 
 
 def offers_image(target: bpy.types.Object) -> bool:
-    """Whether the panel offers Bake to Image first, since most of the area lies in faces too large for vertex colors."""
+    """Returns whether the panel offers Bake to Image first: most of the area lies in too large faces."""
     return large_faces.every([target], bpy.context.scene.paradesc_animation.source)
