@@ -1,6 +1,6 @@
-"""Keeps what live objects have from event to event, and brings their values up to date. Nothing here ever raises.
+"""Keeps the state of live objects between events, and updates their values. Nothing here ever raises.
 
-Between the frames of a render and the edits in a window, one thread at a time writes.
+The frames of a render and the edits in a window may come from two threads, of which one at a time writes.
 """
 
 import logging
