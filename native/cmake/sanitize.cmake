@@ -6,7 +6,7 @@ if(PARADESC_FUZZ)
   if(NOT PARADESC_SANITIZE)
     set(PARADESC_SANITIZE address)
   endif()
-  # Without what libFuzzer learns from comparisons: these stand in the innermost loops, and took nearly half of the time.
+  # libFuzzer does not trace comparisons: they stand in the innermost loops, and tracing them took nearly half of the time.
   add_compile_options(-fsanitize=fuzzer-no-link -fno-sanitize-coverage=trace-cmp)
 endif()
 
