@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import advice, balance, color_maps, contexts, fitting, mesh_faults
+from . import advice, balance, color_maps, contexts, fitting, mesh_faults, voxels
 from .color_maps import MASKS, Look, ValueRange, Weighted, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -174,6 +174,11 @@ class Results:
         """The first radius in units of the positions."""
         return float(self.field_report["radius"])
 
+    @property
+    def least_radius(self) -> float:
+        """The smallest radius in units of the positions."""
+        return min(float(report["radius"]) for report in self.field_reports.values())
+
     def report_of(self, name: str) -> dict[str, float | int]:
         """The field report of the radius that these values belong to."""
         return self.field_reports.get(name[len(registry_name(name)) :], self.field_report)
@@ -190,10 +195,9 @@ class Results:
     def facet_notes(self) -> list[str]:
         """Warnings about defects of the mesh, and about a radius below the mean edge, at which values show facets."""
         edge = self.mesh_report["mean_edge"]
-        least = min(report["radius"] for report in self.field_reports.values())
-        if least >= edge or self.settings.radius_fit == fitting.FITTED:
+        if self.least_radius >= edge or self.settings.radius_fit == fitting.FITTED:
             return self.shape_notes
-        share = f"{least / edge:.2g}"
+        share = f"{self.least_radius / edge:.2g}"
         facets = f"The radius is only {share} of the mean edge, so values show single faces; choose a larger one."
         return [*self.shape_notes, facets]
 
@@ -342,6 +346,7 @@ def run_on(
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
+    results.shape_notes += voxels.notes(arrays.positions, results.least_radius, settings.radius_fit == fitting.FITTED)
     if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
     results.warnings += mesh_faults.sentences(results.mesh_report)

@@ -1,4 +1,4 @@
-// The caller's arrays → a mesh: its topology, its layout, and an engine's session for it.
+// The caller's arrays → a mesh: its topology, its layout, an engine's session for it, and the radius in its units.
 #pragma once
 
 #include <array>
