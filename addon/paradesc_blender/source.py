@@ -1,4 +1,4 @@
-"""Blender's scene as the commands see it: the counterpart of FileSource in paradesc/commands/sources.py."""
+"""Blender's scene as the commands see it: the twin of FileSource in paradesc/commands/sources.py."""
 
 import argparse
 from collections.abc import Iterator

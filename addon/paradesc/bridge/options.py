@@ -14,7 +14,7 @@ BACKENDS = {
     "reference": abi.BACKEND_REFERENCE,
     "cpu": abi.BACKEND_CPU,
 }
-# The method of each backend. Values of one method agree between machines; those of two methods agree only nearly.
+# How each backend measures: values of one method agree from machine to machine, those of two methods do only nearly.
 METHODS = {
     "gpu": "texture space",
     "software": "texture space",

@@ -61,7 +61,7 @@ def is_number(value: object) -> bool:
 
 
 def is_report(value: object, members: tuple[str, ...]) -> bool:
-    """Returns whether this is a dictionary of numbers with these members."""
+    """Whether this is a dictionary of numbers with these members."""
     if not isinstance(value, dict) or not all(name in value for name in members):
         return False
     return all(is_number(number) for number in value.values())

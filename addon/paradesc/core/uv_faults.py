@@ -26,7 +26,7 @@ def with_others(reason: str, sound: list[str]) -> str:
 
 
 def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
-    """Returns whether enough triangles have an area in the UV map; usually a part of them suffices to tell."""
+    """Whether enough triangles have an area in the UV map; usually a part of them suffices to tell."""
     needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
     parts = (triangle_corners[::16], triangle_corners)
     return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
