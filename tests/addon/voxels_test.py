@@ -11,7 +11,7 @@ SIZE = 0.05
 
 
 def crossings(radii, halfway):
-    """Where a grid's edges cross an ellipsoid, as marching cubes find them: (n, 3), exact or halfway along the edges."""
+    """The points (n, 3) at which a grid's edges cross an ellipsoid: exact, or halfway along the edges."""
     inside = np.arange(-1.2, 1.2, SIZE) + 0.013
     places = np.stack(np.meshgrid(inside, inside, inside, indexing="ij"), -1)
     values = 1 - ((places / radii) ** 2).sum(-1)

@@ -320,7 +320,7 @@ def backend_for(settings: Settings, buffers: bool = False) -> str:
 
 
 def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
-    """Whether computing needs UVs, so that a mesh without a map gets a layout; displacing images need its own map."""
+    """Returns whether computing needs UVs. Then a mesh without a map gets a layout; displacing images need its map."""
     backend = backend_for(settings, buffers=buffers)
     return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
 

@@ -77,5 +77,5 @@ def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Res
 
 
 def is_cancelled(error: BaseException) -> bool:
-    """Whether the outcome is a cancellation."""
+    """Returns whether the outcome is a cancellation."""
     return isinstance(error, ParadescError) and error.status == abi.STATUS_CANCELLED
