@@ -66,8 +66,8 @@ def test_radii_that_show_steps_are_warned_of(surfaces):
     steps, smooth = surfaces
     (line,) = notes(steps, 4 * SIZE)
     assert line == (
-        "The surface has the steps of voxels of 0.05, which values at radii below 6 voxels show; take a radius of ten: 0.5 in "
-        "the unit of the mesh."
+        "The surface has the steps of voxels of 0.05, and values at radii below 6 voxels show them; choose a radius of 0.5, "
+        "ten voxels."
     )
     assert notes(steps, 10 * SIZE) == []
     assert notes(smooth, 4 * SIZE) == []  # detail of this size may be real
@@ -75,6 +75,6 @@ def test_radii_that_show_steps_are_warned_of(surfaces):
 
 def test_auto_says_what_it_cannot_know(surfaces):
     _, smooth = surfaces
-    with pytest.warns(paradesc.ParadescWarning, match="If these were labels"):
+    with pytest.warns(paradesc.ParadescWarning, match="if these were labels"):
         found = paradesc.compute(smooth.points, smooth.regular_faces, radius="auto")
     assert found.radius < voxels.STEPS * SIZE

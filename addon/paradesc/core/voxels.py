@@ -40,12 +40,15 @@ def notes(positions: np.ndarray, radius: float, is_chosen: bool) -> list[str]:
     size, has_steps = made_of(positions) or (0.0, False)
     if radius >= STEPS * size or not (has_steps or is_chosen):
         return []
-    good = f"take a radius of ten: {GOOD * size:.3g} in the unit of the mesh."
-    shown = f"values at radii below {STEPS:g} voxels show; {good}"
     if has_steps:
-        return [f"The surface has the steps of voxels of {size:.3g}, which {shown}"]
-    smoothed = "If these were labels and not gray values, the surface has smoothed steps, which"
-    return [f"The surface was made of voxels of {size:.3g}. {smoothed} {shown}"]
+        return [
+            f"The surface has the steps of voxels of {size:.3g}, and values at radii below {STEPS:g} voxels show them; "
+            f"choose a radius of {GOOD * size:.3g}, ten voxels."
+        ]
+    return [
+        f"The surface was made of voxels of {size:.3g}: if these were labels and not gray values, it has smoothed steps, "
+        f"and values at radii below {STEPS:g} voxels show them; choose a radius of {GOOD * size:.3g}, ten voxels."
+    ]
 
 
 def made_of(positions: np.ndarray) -> tuple[float, bool] | None:
