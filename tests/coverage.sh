@@ -3,7 +3,7 @@
 # Usage: bash tests/coverage.sh [--build FOLDER] [--leave-out TESTS] [--addon "PYTEST WORDS"] [--only native|addon]
 # TESTS: native ones, as GoogleTest's filter has them, e.g. 'IrregularSurface*:Parity*'. Each suite is a process of its own, as many
 # at a time as there are cores, so that one that fails or takes longer than PARADESC_SUITE_SECONDS (1800) loses no counts but its own.
-# What is left out: generated shader text, OpenMesh, stb and other headers from outside, engine/paper/no_context.cpp and wgl_context.cpp
+# Not counted: generated shader text, OpenMesh, stb and other headers from outside, engine/paper/no_context.cpp and wgl_context.cpp
 # (other systems), and lines that the comments LCOV_EXCL_LINE or "pragma: no cover" mark.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"

@@ -28,7 +28,7 @@ LONGEST_TEST = 900  # seconds of the processor until a test counts as one that d
 
 NO_DEVICE = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/dev/null"}
 SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1"}
-# What other engines compute is not asked of drivers, and these two tests are steps of their own here.
+# Tests of other engines need no driver, and these two tests are steps of their own here.
 NOT_OF_DEVICES = ("*/reference*", "*/cpu*", "ShaderTexts.are_written_to_a_folder", "ShaderFolder.*")
 
 
@@ -85,14 +85,14 @@ class Outcome:
 
 
 class Place:
-    """Where drivers are: this system, and a Debian 13 in a folder."""
+    """A system that has drivers: this one, or a Debian 13 in a folder."""
 
     def __init__(self, chroot):
         """chroot: that folder, or None."""
         self.chroot = chroot
 
     def command(self, driver, names, variables=None):
-        """What subprocess needs to run these tests there: names or patterns."""
+        """The arguments with which subprocess runs these tests there: names or patterns."""
         variables = {"GTEST_FILTER": ":".join(names)} | driver.environment | (variables or {})
         if not driver.in_chroot:
             return {"args": [BINARY], "env": os.environ | variables}
@@ -125,7 +125,7 @@ class Run:
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
     def takes_too_long(self):
-        """Whether the current test does."""
+        """Returns whether the current test does."""
         waited = time.monotonic() - self.began
         return self.processor_seconds() - self.computed > LONGEST_TEST or waited > 10 * LONGEST_TEST
 
@@ -247,7 +247,7 @@ def write_texts():
 
 
 def validate(path):
-    """What Khronos' compiler and the validator of its SPIR-V say about one text, if anything is wrong."""
+    """The errors of Khronos' compiler and of its validator of SPIR-V for one text."""
     binary = path.with_suffix(path.suffix + ".spv")
     compiler = ["glslangValidator", "-G", "--aml", "--amb", "-o", binary, path]
     for command in (compiler, ["spirv-val", "--target-env", "opengl4.5", binary]):

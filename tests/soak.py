@@ -256,7 +256,7 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
 
 @dataclass
 class Sample:
-    """What the process held after so many bakes."""
+    """The memory and handles of the process after a number of bakes."""
 
     bakes: int
     seconds: float
@@ -280,7 +280,7 @@ def fill_numpys_cache() -> None:
 
 
 def holdings(bakes: int, seconds: float) -> Sample:
-    """What this process holds now, without what only waits: memory to be given back, devices for the next bake."""
+    """The holdings of this process, without memory that waits to be given back and devices that wait for a bake."""
     contexts.close_idle()
     gc.collect()
     give_back()

@@ -3,7 +3,7 @@
 # its platform with numpy alone, which computes a torus.
 # Usage: bash tests/wheels.sh [--chroot DIR]
 # --chroot: also in a Debian 13 in the folder DIR, as a new user does; it is made if it is missing (by root).
-# What ran on no such machine is named at the end: nothing here runs the wheels for macOS and for Windows on ARM.
+# Wheels that ran on no such machine are named at the end: nothing here runs the wheels for macOS and for Windows on ARM.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 source "$root/tests/support/release_build.sh"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The native tests as Windows has them: built by Zig and run by Wine on a screen that nobody sees, where WGL reaches this
-# machine's software rasterizer. What the reference and the engine on the CPU compute alone is left out: it knows no system, and
-# packages/release_test.py compares its bits.
+# machine's software rasterizer. Tests of the reference and of the engine on the CPU alone are left out, because those do not
+# depend on the system, and packages/release_test.py compares their bits.
 #   bash tests/wine.sh [PATTERN]      GoogleTest's pattern of the tests to run
 # tests/release.sh runs it; the library of windows-x64 is built if it is not there.
 set -uo pipefail
@@ -31,7 +31,7 @@ half() {
     --gtest_filter="$pattern" 2>&1 </dev/null | tr -d '\r' >"$logs/half$1.log"
 }
 
-# run_tests: both halves side by side, on one screen. What was skipped is said with its reasons; without a device all have failed.
+# run_tests: both halves side by side, on one screen. Skipped tests are printed with their reasons; without a device all have failed.
 run_tests() {
   local first status=0 all=("$logs/half0.log" "$logs/half1.log")
   wine=$(command -v /usr/lib/wine/wine64 || command -v wine64) || fail "wine64 is not here."

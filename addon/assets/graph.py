@@ -95,7 +95,7 @@ class Graph:
         return next(socket for socket in node.outputs if socket.type == "VALUE")
 
     def compare(self, operation: str, first: Value, second: Value) -> bpy.types.NodeSocket:
-        """Whether one number is above or below another; for values that do not exist neither is true."""
+        """Returns whether one number is above or below another; for values that do not exist neither is true."""
         return self.node("FunctionNodeCompare", {0: first, 1: second}, data_type="FLOAT", operation=operation).outputs[
             0
         ]

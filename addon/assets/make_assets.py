@@ -3,7 +3,7 @@
 Usage: blender -b --factory-startup -P addon/assets/make_assets.py [-- FILE]
 
 The oldest Blender that the add-on supports, 3.4, makes it, because newer ones read its files. The native library has to
-be built first: thumbnails show what the add-on bakes. Two runs write the same, but for addresses in memory.
+be built first, because thumbnails show baked masks. Two runs write the same bytes, except for addresses in memory.
 """
 
 import sys

@@ -75,7 +75,7 @@ def baked_box() -> bpy.types.Object:
 
 
 def is_panel(face: bmesh.types.BMFace) -> bool:
-    """Whether a face of the box with insets is one of the inner ones."""
+    """Returns whether a face of the box with insets is one of the inner ones."""
     return len(face.verts) == 4 and all(sum(abs(c) > 0.99 for c in vertex.co) == 1 for vertex in face.verts)
 
 

@@ -43,7 +43,7 @@ def main() -> None:
 
 
 def environment(home: Path) -> dict[str, str]:
-    """What a process that draws needs: this checkout's package, pictures without a screen, and no files left behind."""
+    """The variables for a process that draws: this checkout's package, no screen, and no files left behind."""
     found = dict(os.environ)
     found["PYTHONPATH"] = os.pathsep.join(filter(None, (str(FOLDER.parent), found.get("PYTHONPATH"))))
     found["IPYTHONDIR"] = found["MPLCONFIGDIR"] = str(home)

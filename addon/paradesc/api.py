@@ -239,8 +239,8 @@ def profile(
 class Mesh:
     """A mesh that is kept for several computations: for other descriptors and radii, or for frames of an animation.
 
-    What does not depend on positions is prepared once. Each frame has the same bits as compute() gives. Threads that
-    use one mesh wait for each other.
+    Everything that does not depend on positions is prepared once. Each frame has the same bits as compute() gives.
+    Threads that use one mesh wait for each other.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Paradesc in Blender: masks and curvature as vertex colors, attributes and textures; live values; the sidebar's panels.
 
-What is computed, files and the command line are the package paradesc. An extension brings it as a wheel; in a checkout, and
-where Blender is older than 4.2, it lies beside this folder.
+The package paradesc computes, reads and writes files, and has the command line. An extension brings it as a wheel. In a
+checkout, and with Blender before 4.2, it lies beside this folder.
 """
 
 import atexit

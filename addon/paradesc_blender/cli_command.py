@@ -1,4 +1,4 @@
-"""`blender -c paradesc …`: the command line of an enabled add-on, since Blender 4.2; and what it finds in the scene."""
+"""`blender -c paradesc …`: the command line of an enabled add-on, since Blender 4.2, with access to the scene."""
 
 import bpy
 

@@ -1,7 +1,8 @@
 """Assets as artists bring them, made by code alone and the same at every run: MODELS, each a function of no arguments.
 
 Each adds one object to the scene, selects it alone, and returns it. unwrap() gives the active object a UV map.
-The house is of blocks that stand in each other; all others are one closed surface, whose thin places may share an edge.
+The house consists of blocks that penetrate each other. Each other asset is one closed surface, whose thin places may
+share an edge.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What every model needs: an object of points and faces, a UV map, rough skin, smooth steps."""
+"""The parts that every model needs: an object of points and faces, a UV map, rough skin, smooth steps."""
 
 import math
 from collections.abc import Iterable

@@ -1,7 +1,7 @@
-"""Solids as distances on a grid → closed meshes of quads, as a sculptor's voxel remesh leaves them. numpy alone.
+"""Solids as distances on a grid → closed meshes of quads, like the result of a voxel remesh. Uses numpy alone.
 
-A part is a function of (x, y, z) that is negative inside, and a box around it. Distances need not be exact: only their
-zero, and their slope there, are seen.
+A part is a function of (x, y, z) that is negative inside, and a box around the part. Distances need not be exact: only
+their zeros and the slopes there matter.
 """
 
 import math

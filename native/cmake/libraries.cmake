@@ -1,4 +1,4 @@
-# What the library is built with: GLM, stb, OpenMesh and Khronos' headers → paradesc_headers and paradesc_openmesh.
+# The libraries that paradesc is built with: GLM, stb, OpenMesh and Khronos' headers → paradesc_headers and paradesc_openmesh.
 set(OPENMESH_SOURCE_DIR "" CACHE PATH "OpenMesh's source (the folder with src/OpenMesh): its Core becomes a part of the library")
 
 # Links to these folders alone: a compiler for another system must not see the rest of this one's /usr/include.
@@ -34,7 +34,7 @@ if(OPENMESH_SOURCE_DIR)
   target_compile_definitions(paradesc_openmesh_core PUBLIC OM_STATIC_BUILD)
   target_link_libraries(paradesc_openmesh INTERFACE paradesc_openmesh_core)
 else()
-  # Where there is an archive it becomes a part of the library; Debian has the shared one only, which is then laid beside it.
+  # An archive becomes a part of the library; Debian has only the shared library, which is then laid beside it.
   paradesc_headers(OpenMesh Core/Mesh/TriMesh_ArrayKernelT.hh)
   find_library(OPENMESH_CORE NAMES libOpenMeshCore.a OpenMeshCore REQUIRED)
   if(NOT OPENMESH_CORE MATCHES "\\.a$")

@@ -1,7 +1,7 @@
 # Libraries → the add-on's folder, its zips and the static repository of extensions: target package_addon.
 #
-# With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform (target release_libraries, from which
-# wheels.py makes wheels, too); without, the one for this system is packed. A wheel that is built from source is installed.
+# With PARADESC_ZIG, the libraries come from Zig's compiler, with one build for each platform (target release_libraries, from
+# which wheels.py makes wheels, too). Without it, the library for this system is packed. A wheel built from source is installed.
 set(PARADESC_ZIG "" CACHE FILEPATH "Zig's compiler, for release builds: .../site-packages/ziglang/zig")
 set(PARADESC_PLATFORMS linux-x64 windows-x64 windows-arm64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
 set(PARADESC_WITHOUT_BLENDER linux-arm64 CACHE STRING "Platforms of release builds that have wheels and no Blender")

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "addon" / "paradesc"
 ADDON = ROOT / "addon" / "paradesc_blender"
-# By platform, as Blender's manifests name it: the library, as bridge/library.py looks for it.
+# The file name of the library for each platform. Blender's manifests name the platforms; bridge/library.py opens the files.
 LIBRARIES = {
     "linux-x64": "libparadesc.so",
     "windows-x64": "paradesc.dll",
@@ -44,7 +44,7 @@ def version() -> str:
 
 
 def first(pattern: str, text: str) -> str:
-    """What the pattern's group finds in the text."""
+    """The text that the pattern's group finds."""
     match = re.search(pattern, text, re.M)
     return match.group(1) if match else ""
 

@@ -1,4 +1,4 @@
-# PARADESC_SANITIZE and PARADESC_FUZZ → options of every target. What is found ends the process.
+# PARADESC_SANITIZE and PARADESC_FUZZ → options of every target. The first finding ends the process.
 if(PARADESC_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "The fuzz targets need Clang's libFuzzer; configure with -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang.")
@@ -6,7 +6,7 @@ if(PARADESC_FUZZ)
   if(NOT PARADESC_SANITIZE)
     set(PARADESC_SANITIZE address)
   endif()
-  # Without what libFuzzer learns from comparisons: these stand in the innermost loops, and took nearly half of the time.
+  # libFuzzer does not trace comparisons: they stand in the innermost loops, and tracing them took nearly half of the time.
   add_compile_options(-fsanitize=fuzzer-no-link -fno-sanitize-coverage=trace-cmp)
 endif()
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from release import LIBRARIES, ROOT, given_libraries, library_arguments, version
 from scikit_build_core.build import build_sdist, build_wheel
 
-# What the libraries run on, as zig.cmake names it. Those for this system make no such promise.
+# The platform tags of the libraries, by the names of zig.cmake. Those for this system make no such promise.
 TAGS = {
     "linux-x64": "manylinux_2_28_x86_64",
     "linux-arm64": "manylinux_2_28_aarch64",

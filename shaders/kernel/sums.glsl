@@ -172,7 +172,7 @@ bool fit_shape_operator(vec3 xx, vec3 xy, OUT(vec3) shape) {
 }
 
 // S by the requested estimator, in units of 1/r. To lowest order a window blurs by the mean of t^2 over that of t, which is 1/2
-// and 2/5 on a disk, so the error that grows with r^2 cancels. Of all sums without that error, this window, (1 - t)(3 - 5 t),
+// and 2/5 on a disk, so the error that grows with r^2 cancels. Among all sums without that error, this window, (1 - t)(3 - 5 t),
 // magnifies noise least.
 bool find_shape_operator(Sums sums, OUT(vec3) shape) {
   bool found = fit_shape_operator(sums.moments.xx, sums.moments.xy, shape);

@@ -22,7 +22,7 @@ class MissingError(Exception):
 
 
 def has(name, value=None):
-    """Whether this build has the option, and if it is a choice also the value."""
+    """Returns whether this build has the option, and if it is a choice also the value."""
     if not hasattr(bridge.Options(), name):
         return False
     return value is None or name not in bridge.CHOICES or value in bridge.CHOICES[name][0]

@@ -136,7 +136,7 @@ def table_lines(item):
 
 
 def is_text(cells):
-    """Whether a column holds words; numbers are set flush right."""
+    """Returns whether a column holds words; numbers are set flush right."""
     return any(cell[:1].isalpha() or "," in cell for cell in cells)
 
 

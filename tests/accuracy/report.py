@@ -92,9 +92,9 @@ def write(output, folder, device):
         "Errors are percentages of absolute error by the one definition of this project: 100 · mean |x − truth| over "
         "the range between the truth's 2.5th and 97.5th percentile (`addon/paradesc/core/compare.py`). *Closed form* "
         "is the smooth surface's exact value as r → 0; *reference* integrates over the triangles themselves. Radii are "
-        "fractions of the bounding box's diagonal. Where nothing else is said: the engine on the CPU, 256 samples, "
-        "fitted normals, evaluation at the vertices; `affine` and `paper` are ways of texture space, by the software "
-        "device with buffers of 1024² texels. The paper does not define its %AE, and its reference is another "
+        "fractions of the bounding box's diagonal. Unless a section says otherwise: the engine on the CPU, 256 "
+        "samples, fitted normals, evaluation at the vertices; `affine` and `paper` are ways of texture space, by the "
+        "software device with buffers of 1024² texels. The paper does not define its %AE, and its reference is another "
         "one.",
         "",
         f"Last measured on {device}.",

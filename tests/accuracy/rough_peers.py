@@ -126,7 +126,7 @@ PEERS = (
 
 
 class Kept:
-    """What was measured: errors by peer, row and size, and reaches by peer."""
+    """The measurements: errors by peer, row and size, and reaches by peer."""
 
     def __init__(self, measure):
         self.measure = measure  # what is missing

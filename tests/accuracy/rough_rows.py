@@ -14,7 +14,7 @@ SEEDS = 3
 
 @dataclass(frozen=True)
 class Row:
-    """What is done to a body."""
+    """The changes that are made to a body."""
 
     body: str
     kind: str  # clean, noise, normal noise, stairs, folds, folds and noise

@@ -46,9 +46,9 @@ def pair(ours, reference):
 
 def closed(bench, out, quick):
     out.say(
-        "Mean error in percent and, in parentheses, of the reference, against the limit r → 0. What both"
-        " have in common is the bias of a finite support and the facets and fitted normals of the mesh; what "
-        "Paradesc has more is its sums. Open surfaces: vertices 1.5 r away from the boundary."
+        "Mean error in percent and, in parentheses, of the reference, against the limit r → 0. Both errors "
+        "contain the bias of a finite support and the errors of the mesh's facets and fitted normals; only Paradesc's "
+        "contains the error of its sums. Open surfaces: vertices 1.5 r away from the boundary."
     )
     names = [name for name in registry() if name in LABELS]
     curvatures = [name for name in names if name in CURVATURES]

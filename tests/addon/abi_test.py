@@ -65,7 +65,7 @@ def test_constants_are_those_of_c(compiled):
 
 
 def declarations():
-    """What the headers declare, one after the other as the first includes the second, without comments."""
+    """The text of the headers without comments, one after the other, as the first includes the second."""
     return re.sub(r"/\*.*?\*/", "", "".join(header.read_text() for header in HEADERS), flags=re.S)
 
 

@@ -34,7 +34,7 @@ def give_back() -> None:
 
 
 def megabytes_in_use() -> float:
-    """What has been allocated and not freed; 0 if the allocator does not tell."""
+    """The memory that has been allocated and not freed; 0 if the allocator does not tell."""
     library = ctypes.CDLL(None)
     if hasattr(library, "mallctl"):
         epoch, allocated = ctypes.c_uint64(1), ctypes.c_size_t(0)

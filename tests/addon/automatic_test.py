@@ -1,4 +1,4 @@
-"""What auto takes: the processor, without unwrapping; the software rasterizer where it must."""
+"""The backend auto takes the processor, without unwrapping, and the software rasterizer where it must."""
 
 from dataclasses import replace
 

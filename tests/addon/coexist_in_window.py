@@ -36,7 +36,7 @@ def redraws(count: int) -> Iterator[None]:
 
 
 def steps(name: str) -> Iterator[None]:
-    """What the person does; every yield is a turn of the event loop."""
+    """The actions of the person; every yield is a turn of the event loop."""
     view_context()["area"].spaces[0].shading.type = "SOLID"
     bpy.context.scene.paradesc_looks.show_legend = False
     settings = small_bake()

@@ -1,4 +1,4 @@
-"""What the add-on's tests share: fixtures of the sphere, and the command line as a process."""
+"""The parts that the add-on's tests share: fixtures of the sphere, and the command line as a process."""
 
 import functools
 import gc
@@ -137,7 +137,7 @@ def real_mesh(name):
 
 @dataclass
 class Ended:
-    """What is left of a command that has ended."""
+    """The output and the code of a command that has ended."""
 
     code: int
     output: str

@@ -1,4 +1,4 @@
-"""Where a module cannot be imported, enabling the add-on is one sentence, and it can be disabled again."""
+"""If a module cannot be imported, enabling the add-on is one sentence, and it can be disabled again."""
 
 import sys
 

@@ -185,7 +185,7 @@ def openjd(*words):
 
 
 def done(words):
-    """What a program says, which has to end well."""
+    """The output of a program, which has to end well."""
     found = subprocess.run(words, env=process_environment(), capture_output=True, text=True, timeout=300, check=False)
     assert found.returncode == 0, found.stdout + found.stderr
     return found.stdout
@@ -313,7 +313,7 @@ def compiled(script, settings, chunks=()):
 
 
 def defaults(kind):
-    """What a job type's settings are if nobody changes them."""
+    """The default settings of a job type."""
     return {setting["key"]: setting.get("default", "") for setting in kind["settings"]}
 
 

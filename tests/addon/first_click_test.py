@@ -1,4 +1,4 @@
-"""What is measured of the first click's masks: white, bright and dark shares by area, and what flat faces have."""
+"""The measures of the first click's masks: white, bright and dark shares by area, and the values of flat faces."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What an artist meets first: grey masks of the surface that is shown, a fitting radius, notes apart from warnings."""
+"""The first things an artist meets: grey masks of the shown surface, a fitted radius, notes apart from warnings."""
 
 import re
 from types import SimpleNamespace
@@ -238,7 +238,7 @@ def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
 
 
 def drawn_lines(target):
-    """What the panel says about live values."""
+    """The lines of the panel about live values."""
     lines = []
     layout = SimpleNamespace(column=lambda **_: layout, label=lambda text, **_: lines.append(text))
     widget = SimpleNamespace(widget=SimpleNamespace(points=11))

@@ -48,7 +48,7 @@ def cube_obj(request, tmp_path):
 
 @pytest.fixture
 def computed(monkeypatch):
-    """What bakes of this process computed: arrays and results."""
+    """The arrays and results that bakes of this process computed."""
     kept = []
     original = job.run
 

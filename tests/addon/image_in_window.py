@@ -1,6 +1,6 @@
 """Bake to Image in Blender's window: the texture is seen on the mesh at once, and goes and comes with its button.
 
-run_in_window.sh starts it. What is seen is told by the pixels of the viewport.
+run_in_window.sh starts it. It compares the pixels of the viewport.
 """
 
 import sys
@@ -29,7 +29,7 @@ def seen() -> np.ndarray:
 
 
 def shows_mask() -> bool:
-    """Whether a black face with bright edges is seen."""
+    """Returns whether a black face with bright edges is seen."""
     pixels = seen()
     return (pixels < BLACK).mean() > 0.3 and (pixels > BRIGHT).mean() > 0.01
 

@@ -1,4 +1,4 @@
-"""What Bake to Image leaves for the panel: which images were made, what shows them, and when that is forgotten."""
+"""The record of Bake to Image for the panel: the images that were made, what shows them, and when it is forgotten."""
 
 from pathlib import Path
 

@@ -25,7 +25,7 @@ QUICK = bridge.Options(radius=0.08, samples=32)
 
 
 def settings_of(*names, options=QUICK, backend="cpu"):
-    """What textures take a moment with."""
+    """Settings with which textures take a moment."""
     return job.Settings(names, options, backend)
 
 

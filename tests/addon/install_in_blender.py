@@ -24,12 +24,12 @@ USER = Path(os.environ["PARADESC_TEST_USER"])
 CYCLES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 32
 # The first rounds fill caches of Blender, the driver and Python.
 FIRST_CYCLES = 8
-# What is held repeats after four rounds.
+# The memory that is held repeats after four rounds.
 PERIOD = 4
 # Megabytes for each round: at most 0.008 and 0.03 were seen in 40 runs on a busy machine. A baked mesh with its reports
 # is 0.1, a context that stays, with its buffers and programs, 10.
 MOST_GROWTH = {"heap": 0.03, "resident": 0.3}
-# What a user chose, one of each kind: number, text, choice, several choices, and a member of another group.
+# Settings that a user chose, one of each kind: number, text, choice, several choices, and a member of another group.
 CHOSEN = {"samples": 97, "more_radii": "7, 9", "normals": "max", "descriptors": {"curvedness", "harris"}}
 CHOSEN_LOOK = {"color_map": "purple-green"}
 PRESET_SAMPLES = 41
@@ -244,7 +244,7 @@ def growth(megabytes: list[float]) -> float:
 
 
 def holdings() -> dict[str, float]:
-    """What this process holds that an add-on can leak."""
+    """The things in this process that an add-on can leak."""
     give_back()
     status = Path("/proc/self/status").read_text()
     maps = Path("/proc/self/maps").read_text().splitlines()
@@ -264,7 +264,7 @@ def holdings() -> dict[str, float]:
 
 
 def is_source(folder: str) -> bool:
-    """Whether Python would find an add-on there that was not installed."""
+    """Returns whether Python would find an add-on there that was not installed."""
     return (Path(folder) / "paradesc").is_dir()
 
 

@@ -297,7 +297,7 @@ def test_sources_of_two_versions_are_not_packed(tmp_path):
 
 
 def bl_info():
-    """What Blender before 4.2 reads without running the file."""
+    """The dictionary that Blender before 4.2 reads without running the file."""
     tree = ast.parse((ADDON / "paradesc_blender" / "__init__.py").read_text())
     return next(
         ast.literal_eval(node.value)

@@ -29,7 +29,7 @@ def items():
 
 
 def is_title(label):
-    """Whether every word begins with a capital, a digit or a sign, except small words within."""
+    """Returns whether every word begins with a capital, a digit or a sign, except small words within."""
     words = re.findall(r"[^\W\d_][\w']*", label)
     for index, word in enumerate(words):
         inside = 0 < index < len(words) - 1
@@ -39,7 +39,7 @@ def is_title(label):
 
 
 def is_tooltip(text):
-    """Whether it begins as a sentence and ends without a full stop."""
+    """Returns whether it begins as a sentence and ends without a full stop."""
     return (text[:1].isupper() or not text[:1].isalpha()) and text[-1:] not in {"", ".", ",", ";", ":"}
 
 

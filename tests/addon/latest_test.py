@@ -1,4 +1,4 @@
-"""Of requests on another thread the newest counts, and nothing is handed over after settling."""
+"""The newest request on another thread counts, and nothing is handed over after settling."""
 
 import threading
 

@@ -22,7 +22,7 @@ def stretching():
 
 
 def colored(target, low, high, **more):
-    """Whether the colors on the mesh span this range."""
+    """Returns whether the colors on the mesh span this range."""
     shown = color_maps.ValueRange(low, high, True, 0.0, **more)
     expected = color_maps.linear_rgba(color_maps.colors(values(target), shown))
     return np.abs(values(target, f"{NAME}_color") - expected).max() < 2e-3

@@ -8,7 +8,7 @@ import bpy
 from paradesc import bridge
 from shapes import PACKAGES
 
-# What German and French need more, as a rule of thumb.
+# German and French texts are longer by this factor, as a rule of thumb.
 FACTOR = 1.4
 
 

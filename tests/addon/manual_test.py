@@ -38,7 +38,7 @@ def without_code(text):
 
 
 def links(path):
-    """Where the links and pictures of a page lead, addresses on the web left out."""
+    """The targets of a page's links and pictures, without addresses on the web."""
     found = re.findall(r"\]\(([^)\s]+)\)", without_code(path.read_text(encoding="utf-8")))
     return [target for target in found if not re.match(r"[a-z]+:", target)]
 
@@ -51,7 +51,7 @@ def anchors(path):
 
 
 def section(text, title):
-    """What stands below a heading, up to the next one of its kind or above."""
+    """The text below a heading, up to the next one of its kind or above."""
     found = re.search(rf"^(#+) {re.escape(title)}\n", text, re.M)
     assert found, f"{title} has no section"
     rest = text[found.end() :]

@@ -29,7 +29,7 @@ def torus(around=60, across=24):
 
 
 def curvature(points, faces, **options):
-    """What is computed of a mesh, by its name."""
+    """The result for a mesh."""
     return paradesc.compute(points, faces, ["mean_curvature"], radius=0.05, **options)
 
 

@@ -43,7 +43,7 @@ def computed(monkeypatch):
 
 
 def reports(action):
-    """What the operator reports, from a batch that runs as the operator does."""
+    """The reports of the operator, from a batch that runs as the operator does."""
     made = batch.Batch(bpy.context)
     while not made.done:
         made.step(wait=True)

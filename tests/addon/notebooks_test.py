@@ -35,7 +35,7 @@ def text(lines):
 
 
 def printed(notebook):
-    """What each cell with code prints."""
+    """The output of each cell with code."""
     return [
         "".join(text(output["text"]) for output in cell["outputs"] if output["output_type"] == "stream")
         for cell in code_cells(notebook)
@@ -213,7 +213,7 @@ def test_shape_index_has_all_classes_and_the_theorem_of_gauss_and_bonnet(run):
 
 
 def bending_energy(t):
-    """Of the rod in the notebook without its ends, above that of a straight one: a sum over its surface."""
+    """The energy of the notebook's rod without its ends, minus that of a straight rod: a sum over its surface."""
     s, around = np.meshgrid((np.arange(1500) + 0.5) / 750, 2 * np.pi * np.arange(64) / 64, indexing="ij")
     toward = 4 * min(4 * t, 1) * np.sin(2 * np.pi * (s / 1.6 - t)) * np.cos(around)
     squared = (1 / 0.12**2 + (toward / (1 - 0.12 * toward)) ** 2) / 2

@@ -1,4 +1,4 @@
-"""What is the user's stays the user's: whatever writes replaces only what is ours and as we left it.
+"""The user's attributes are kept: every writer replaces only those that the add-on wrote and nobody changed.
 
 Every writer is driven twice through one test: first beside things of the user's that have the names it wants, all of
 which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.

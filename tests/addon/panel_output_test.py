@@ -1,4 +1,4 @@
-"""What a bake writes beside attributes, which is nothing: settings of earlier versions have no effect."""
+"""A bake writes nothing beside attributes: settings of earlier versions have no effect."""
 
 import pytest
 

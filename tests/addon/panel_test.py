@@ -1,4 +1,4 @@
-"""What the panel draws, on a layout that takes notes, because Blender draws none without a window."""
+"""The rows that the panel draws, on a layout that takes notes, because Blender draws none without a window."""
 
 import sys
 from functools import partial
@@ -109,7 +109,7 @@ def too_wide(labels):
 
 
 def drawn_by(cls):
-    """What a panel, or a menu, draws."""
+    """The rows that a panel, or a menu, draws."""
     layout = Notes()
     fake = SimpleNamespace(layout=layout)
     if hasattr(cls, "draw_settings"):

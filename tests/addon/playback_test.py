@@ -49,7 +49,7 @@ def radius_now(target):
 
 
 def note(target):
-    """What the panel says."""
+    """The note in the panel."""
     return handlers.session_at(target).note
 
 

@@ -1,4 +1,4 @@
-"""What the tests of preset files share: a sound preset, files made of it, and a folder of the user's own."""
+"""The parts that the tests of preset files share: a valid preset, files made of it, and a folder of the user's own."""
 
 import json
 

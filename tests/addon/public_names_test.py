@@ -1,4 +1,4 @@
-"""What the Python package offers: names, documentation whose examples run, warnings, and PyVista's accessor."""
+"""The public part of the Python package: names, documentation whose examples run, warnings, and PyVista's accessor."""
 
 import doctest
 import inspect

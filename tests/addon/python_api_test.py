@@ -41,7 +41,7 @@ def sphere():
 
 
 def same(first, second):
-    """Whether two results have the same bits."""
+    """Returns whether two results have the same bits."""
     return list(first) == list(second) and all(first[name].tobytes() == second[name].tobytes() for name in first)
 
 
@@ -382,7 +382,7 @@ def test_threads_compute_at_once_and_share_a_mesh(sphere):
 
 
 def forked(channel, points, quads):
-    """What a forked process computes."""
+    """Sends the values that a forked process computes."""
     channel.send(paradesc.compute(points, quads, radius=0.1)["mean_curvature"].tobytes())
 
 
@@ -400,7 +400,7 @@ def test_a_forked_process_computes_the_same(sphere):
 
 
 def forked_with_a_device(channel, mesh, points, quads):
-    """What a forked process is told of the device that the other one has open, and what it computes without it."""
+    """The error of a forked process about the device that the other one has open, and what it computes without it."""
     told = []
     for call in (
         lambda: mesh.compute("mean_curvature", 0.1, buffer_size=128),

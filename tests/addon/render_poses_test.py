@@ -72,14 +72,14 @@ def bake_frames(folder):
 
 
 def check_silhouettes(found, expected):
-    """Whether the pictures show the same poses."""
+    """Returns whether the pictures show the same poses."""
     for frame, picture, wanted in zip(FRAMES, found, expected, strict=True):
         assert same(picture[..., 3:], wanted[..., 3:]), f"frame {frame} shows another pose"
     assert not same(expected[0][..., 3:], expected[-1][..., 3:]), "nothing moves"
 
 
 def check_values(target, found, folder):
-    """Whether each picture is that of a mesh that was baked in the pose of its frame."""
+    """Returns whether each picture is that of a mesh that was baked in the pose of its frame."""
     target.paradesc_live.mode = "OFF"
     for frame, picture in zip(FRAMES, found, strict=True):
         bpy.context.scene.frame_set(frame)

@@ -176,7 +176,7 @@ def render_baked(target, path):
 
 
 def same(first, second):
-    """Whether two pictures are equal, except single pixels on the outline."""
+    """Returns whether two pictures are equal, except single pixels on the outline."""
     return (np.abs(first - second).max(axis=2) > ONE_STEP).mean() < 0.002
 
 

@@ -1,4 +1,4 @@
-"""What operators report goes through Blender's translation: whole sentences, into which numbers and names are put."""
+"""The reports of operators go through Blender's translation: whole sentences, into which numbers and names are put."""
 
 import ast
 

@@ -17,7 +17,7 @@ PARENTS = ["ARMATURE", "EMPTY"]
 
 @pytest.fixture(params=PARENTS)
 def rig(request):
-    """What carries the meshes of a file, the active object."""
+    """The active object, which carries the meshes of a file."""
     small_bake()
     bpy.context.scene.paradesc.descriptors = {"cavity"}
     data = bpy.data.armatures.new("rig") if request.param == "ARMATURE" else None

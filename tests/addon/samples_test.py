@@ -1,4 +1,4 @@
-"""What README.md says about each sample scene of blend_samples/make_samples.py is true, and it bakes."""
+"""The statements of README.md about the scenes of blend_samples/make_samples.py are true, and the scenes bake."""
 
 import importlib.util
 import json
@@ -136,7 +136,7 @@ def test_last_line_says_how_far_the_engines_differ(tmp_path):
             report = {"backend": backend, "objects": [{"descriptors": rows}]}
             (tmp_path / f"{stem}.json").write_text(json.dumps(report))
     said = loaded("compare_engines").sentence(tmp_path, ["one", "two"])
-    # Of 38 and of 37.05: 1 % and 3.08 % on one, none on two.
+    # The shares are of 38 and of 37.05: 1 % and 3.08 % on one, none on two.
     engines = "The engines cpu and software (texture space)"
     assert said == f"{engines} differ by 1 % of the range of values on average (one 2 %, two 0 %)."
 

@@ -28,7 +28,7 @@ DESCRIPTORS = ("mean_curvature", "shape_index", "harris")
 
 @pytest.fixture(params=ARCHIVES, ids=lambda path: path.stem)
 def archive(request):
-    """What one version has saved, packed."""
+    """The packed files that one version has saved."""
     return request.param
 
 
@@ -42,7 +42,7 @@ def saved(archive, tmp_path):
 
 @pytest.fixture
 def expected(saved):
-    """What was in the file, except arrays."""
+    """The content of the file, except arrays."""
     return json.loads((saved / "expected.json").read_text())
 
 
@@ -86,7 +86,7 @@ def below(arrays, place):
 
 
 def same_bits(found, wanted):
-    """Whether both have the same arrays, NaN included."""
+    """Returns whether both have the same arrays, NaN included."""
     return found.keys() == wanted.keys() and all(found[name].tobytes() == wanted[name].tobytes() for name in wanted)
 
 

@@ -1,4 +1,4 @@
-"""Whether anything in the panels is cut at the scales of the interface, or any sentence where words are longer.
+"""Returns whether anything in the panels is cut at the scales of the interface, or any sentence where words are longer.
 
 Blender itself ends a button or a name that is too long with "…"; a sentence has to be seen whole.
 
@@ -114,7 +114,7 @@ class Layout:
         return found
 
     def is_icon(self):
-        """Whether nothing but buttons without a text stands here."""
+        """Returns whether nothing but buttons without a text stands here."""
         return bool(self.parts) and all(isinstance(part, tuple) and not part[0] for part in self.parts)
 
 
@@ -150,7 +150,7 @@ def words(monkeypatch, request):
 
 
 def drawn(cls):
-    """What a panel draws."""
+    """The rows that a panel draws."""
     layout = Layout()
     fake = SimpleNamespace(layout=layout)
     if hasattr(cls, "draw_settings"):

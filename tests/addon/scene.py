@@ -1,4 +1,4 @@
-"""What the tests inside Blender share: an empty scene, the sphere in it, and a fingerprint of everything in a mesh."""
+"""The parts that tests inside Blender share: an empty scene, its sphere, a fingerprint of everything in a mesh."""
 
 import hashlib
 import time

@@ -31,7 +31,7 @@ def wavy():
 
 
 def baked_values(target, descriptor):
-    """What a bake of the panel has for a descriptor."""
+    """The values of a descriptor by a bake of the panel."""
     bpy.context.scene.paradesc.descriptors = {descriptor}
     bpy.ops.paradesc.bake()
     return attribute_values(target.data, descriptor)

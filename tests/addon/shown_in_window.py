@@ -1,4 +1,4 @@
-"""What viewports show in Blender's window: after bakes, with Live, after undo, and after strokes of sculpt mode.
+"""The colors of viewports in Blender's window: after bakes, with Live, after undo, and after strokes of sculpt mode.
 
 run_in_window.sh starts it. Strokes are those of the mouse, which Blender simulates.
 """
@@ -37,7 +37,7 @@ def shown() -> tuple[object, ...]:
 
 
 def is_plain() -> bool:
-    """Whether the viewport shows attributes in flat light."""
+    """Returns whether the viewport shows attributes in flat light."""
     return shown()[: len(viewports.PLAIN)] == tuple(viewports.PLAIN.values())
 
 

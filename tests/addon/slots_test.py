@@ -10,7 +10,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 
 def slots_and_faces(target):
-    """What the faces of an object show: by slots, and by the materials in these."""
+    """The slots of an object's faces, and the materials in these."""
     slots = [(item.link, item.material.name) for item in target.material_slots]
     return slots, [slots[face.material_index] for face in target.data.polygons]
 

@@ -49,7 +49,7 @@ def test_a_sphere_scaled_unevenly_has_the_curvatures_of_an_ellipsoid(mirror):
     spaces.to_world(arrays, matrix_of(rotation() @ np.diag(axes)), "egg")
     results = job.run(arrays, SETTINGS)
     mean, gaussian = ellipsoid_curvatures(points * axes, RADIUS * AXES)
-    # Of a second-order fit over 5 % of the diagonal to a mesh of 24 steps; a wrong sign or scale is off by 30 and more.
+    # The error of a second-order fit over 5 % of the diagonal to a mesh of 24 steps; a wrong sign or scale errs by 30.
     np.testing.assert_allclose(results.values["mean_curvature"], mean, rtol=0.06)
     np.testing.assert_allclose(results.values["gaussian_curvature"], gaussian, rtol=0.12)
     assert results.values["shape_index"].min() > 0.6

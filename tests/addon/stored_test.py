@@ -1,4 +1,4 @@
-"""What a bake left in a .blend is checked before use: properties that are edited or of another version do no harm."""
+"""The properties of a bake in a .blend are checked before use: edited ones, or those of another version, do no harm."""
 
 import pytest
 

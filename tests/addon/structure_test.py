@@ -12,7 +12,7 @@ import pytest
 
 from shapes import ADDON
 
-# The Python package, and the add-on that uses it. What each folder uses, in the order of the data.
+# The Python package, and the add-on that uses it. Each folder has the set of folders that it may use.
 PACKAGES = ("paradesc", "paradesc_blender")
 PACKAGE = {
     "bridge": set(),
@@ -49,7 +49,7 @@ def folder_of(name):
 
 
 def is_package(name):
-    """Whether a module belongs to the Python package, not to the add-on."""
+    """Returns whether a module belongs to the Python package, not to the add-on."""
     return name.startswith("paradesc.")
 
 

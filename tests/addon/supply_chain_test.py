@@ -23,7 +23,7 @@ CODE = {"code", "codeop", "dill", "marshal", "multiprocessing", "pickle", "pip",
 SPREADS = "commands/spreading.py"
 CALLS = {"compile", "eval", "exec", "__import__"}
 
-# What a bake with all of its files opens, makes and loads is written to watched.json.
+# Everything that a bake with all of its files opens, makes and loads is written to watched.json.
 WATCH = """
 import json, sys
 written, loaded, other = [], [], []
@@ -118,7 +118,7 @@ def test_only_the_bridge_loads_libraries_and_by_absolute_path():
 
 @pytest.fixture(scope="module")
 def watched(tmp_path_factory):
-    """What a bake, images and frames did, in a process with an empty home and decoys around it."""
+    """The actions of a bake, of images and of frames, in a process with an empty home and decoys around it."""
     pytest.importorskip("bpy", reason="needs Blender")
     from processes import script_words
 

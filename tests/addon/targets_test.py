@@ -31,7 +31,7 @@ def mean_curvature(target):
 
 
 def state():
-    """What a person sees of modes and selection."""
+    """The modes and the selection that a person sees."""
     objects = bpy.context.view_layer.objects
     return objects.active.name, [(item.name, item.mode, item.select_get()) for item in objects]
 

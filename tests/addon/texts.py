@@ -58,7 +58,7 @@ def classes():
 
 
 def rna_of(cls):
-    """What Blender shows of a class; of operators only their own options, one of which may be called name."""
+    """The properties of a class that Blender shows; for operators only their own options, which may be called name."""
     if not issubclass(cls, bpy.types.Operator):
         return cls.bl_rna
     return getattr(bpy.ops.paradesc, cls.bl_idname.removeprefix("paradesc.")).get_rna_type()
@@ -94,7 +94,7 @@ def of_settings():
 
 
 def is_for_research(cls, name):
-    """Whether a setting is drawn for research alone, or lists the descriptors, whose tooltips are formulas."""
+    """Returns whether a setting is drawn for research alone, or lists the descriptors, whose tooltips are formulas."""
     hidden = {name for names in research.RESEARCH.values() for name in names} | {"descriptors", "map_descriptor"}
     return name in hidden and issubclass(cls, bpy.types.PropertyGroup)
 
@@ -142,7 +142,7 @@ def literals(tree, folder):
 
 
 def choices_of(node):
-    """What an expression may be: both ends of a condition."""
+    """The values that an expression may have: both ends of a condition."""
     return [*choices_of(node.body), *choices_of(node.orelse)] if isinstance(node, ast.IfExp) else [node]
 
 

@@ -60,7 +60,7 @@ def test_a_viewport_that_was_set_since_stays():
 
 
 def looks(shading):
-    """What a viewport shows, as far as a bake changes it."""
+    """The settings of a viewport that a bake changes."""
     return {name: getattr(shading, name) for name in viewports.PLAIN}
 
 

@@ -1,4 +1,4 @@
-"""What wear looks like, and the file of assets that has it. Runs inside Blender."""
+"""The looks of wear, and the file of assets that has them. Runs inside Blender."""
 
 import numpy as np
 import pytest

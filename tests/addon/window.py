@@ -48,7 +48,7 @@ def run_in_view(operator, *words: object, **settings: object) -> None:
 
 
 def chosen_brush() -> bool:
-    """Whether sculpt mode has its brush: since 4.3 brushes are assets, of which none is chosen at first."""
+    """Returns whether sculpt mode has its brush: since 4.3 brushes are assets, of which none is chosen at first."""
     if bpy.app.version < (4, 3, 0):
         return True
     brush = "brushes/essentials_brushes-mesh_sculpt.blend/Brush/Draw"
@@ -76,7 +76,7 @@ def start_bake() -> None:
 
 
 def baking() -> bool:
-    """Whether the operator has not ended yet."""
+    """Returns whether the operator has not ended yet."""
     return operators.PARADESC_OT_bake.running is not None
 
 

@@ -44,12 +44,12 @@ def press(key: str, **place: int) -> Iterator[None]:
 
 
 def computing() -> bool:
-    """Whether a worker's thread is at work."""
+    """Returns whether a worker's thread is at work."""
     return any(thread.name == "paradesc" for thread in threading.enumerate())
 
 
 def baked(name: str) -> bool:
-    """Whether the mesh of that name has values."""
+    """Returns whether the mesh of that name has values."""
     return "mean_curvature" in bpy.data.meshes[name].attributes
 
 

@@ -282,7 +282,7 @@ def bake_from_elsewhere(target):
 
 
 def in_unsaved_file(write):
-    """What Blender does in a file that is not saved: it packs images."""
+    """In a file that is not saved, Blender packs images."""
 
     def make(target):
         name = target.name

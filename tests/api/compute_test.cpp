@@ -187,7 +187,7 @@ TEST_F(Api, new_positions_give_what_a_new_mesh_gives) {
   EXPECT_FLOAT_EQ(report.diagonal, static_cast<float>(ball.diagonal()));
 }
 
-// What a mesh keeps from one computation to the next: normals and buffers while nothing but the radius changes, and no longer.
+// A mesh keeps normals and buffers from one computation to the next only while nothing but the radius changes.
 TEST_F(Api, each_computation_gives_what_a_new_mesh_gives_whatever_came_before) {
   std::string why_not;
   context = open_context(device_backend(), why_not);

@@ -1,4 +1,4 @@
-// What is too large is refused by its counts, before a byte of it is read or allocated.
+// Input that is too large is refused by its counts, before a byte of it is read or allocated.
 #include <filesystem>
 #include <fstream>
 #include <limits>

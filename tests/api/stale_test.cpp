@@ -1,5 +1,5 @@
-// What a mesh keeps from one computation to the next, after what it was made of has changed: every result is that of a new mesh,
-// bit for bit.
+// A mesh keeps arrays from one computation to the next. After its input has changed, every result is that of a new mesh, bit for
+// bit.
 #include <cmath>
 #include <iterator>
 #include <set>

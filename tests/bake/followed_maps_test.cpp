@@ -27,8 +27,8 @@ protected:
 INSTANTIATE_TEST_SUITE_P(, FollowedMaps, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_CPU}),
                          backend_name);
 
-// What the reference does without (texels), or takes minutes for (maps that operators work on, known at all pieces); and what
-// does not depend on the engine.
+// Tests that the reference does not support (texels) or takes minutes for (filters of maps that are known at all pieces), and
+// tests that do not depend on the engine.
 class FollowedMapsOnCpu : public FollowedMaps {};
 INSTANTIATE_TEST_SUITE_P(, FollowedMapsOnCpu, ::testing::Values(int32_t{PDESC_BACKEND_CPU}), backend_name);
 

@@ -108,7 +108,7 @@ TEST_F(SurfaceMapsTest, a_normal_mapped_coarse_sphere_is_nearer_to_the_fine_one)
   }
 }
 
-// Where surfaces are summed over triangles.
+// For the engines that sum surfaces over triangles.
 class FollowedNormalMaps : public SurfaceMapsTest, public ::testing::WithParamInterface<int32_t> {
 protected:
   void SetUp() override {

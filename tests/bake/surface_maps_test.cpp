@@ -221,7 +221,7 @@ TEST_F(SurfaceMapsApi, refuse_what_cannot_be_used_and_name_it) {
   expect_refused(mapped(pixels.data(), tangents.data(), corners - 1), PDESC_ERROR_INVALID_ARGUMENT,
                  {std::to_string(corners).c_str()});
   expect_refused(mapped(broken.data(), tangents.data(), corners), PDESC_ERROR_INVALID_ARGUMENT, {"normal map", "pixel 2"});
-  // What was refused leaves no map behind: the reference computes.
+  // The refused input leaves no map behind, so the reference computes.
   EXPECT_EQ(mean_curvature(mesh.get()).size(), ball.points.size());
 }
 

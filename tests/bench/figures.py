@@ -18,7 +18,7 @@ class Figure:
     meaning: str
 
     def met(self, value: float) -> bool:
-        """Whether the target is reached."""
+        """Returns whether the target is reached."""
         return value >= self.target if self.at_least else value <= self.target
 
 

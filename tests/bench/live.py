@@ -26,7 +26,7 @@ FRAMES = 8
 
 @dataclass
 class Row:
-    """What one setting costs, as the least of all frames in milliseconds, and its error in percent of the range."""
+    """The cost of one setting, as the least of all frames in milliseconds, and its error in percent of the range."""
 
     samples: int
     buffer_size: int

@@ -42,7 +42,7 @@ FEWEST_IN_COMMON = 50
 
 @dataclass
 class Run:
-    """What all parts share, and what they have found."""
+    """The settings that all parts share, and their results."""
 
     bench: timing.Bench
     build: Path

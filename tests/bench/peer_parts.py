@@ -61,7 +61,7 @@ def first_of(run: Run, peer: peers.Peer, bunny: tuple, torus: tuple) -> dict[str
 
 
 def ran(run: Run, peer: peers.Peer, arrays: MeshArrays, radius: float) -> peers.Found:
-    """What a peer found; its own failure must not end the run."""
+    """The result of a peer, whose own failure must not end the run."""
     try:
         return peer.function(peers.Task(arrays, radius, run.build, run.folder))
     except ImportError:

@@ -21,7 +21,7 @@ SAMPLED = 1000  # vertices that the slowest are timed at
 
 @dataclass
 class Task:
-    """What a peer computes, and where native ones lie."""
+    """The input of a peer, and the folder of native peers."""
 
     arrays: MeshArrays
     radius: float  # in units of the positions

@@ -11,7 +11,7 @@ from paradesc.bridge import MeshArrays
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECT_SPACE, CGAL = "paradesc_object_space", "paradesc_cgal_curvature"
-# What a program needs beyond the library's own.
+# The requirements of a program beyond those of the library.
 NEEDS = {CGAL: "it needs CGAL 6: bash tests/bench/cgal.sh"}
 
 
@@ -21,7 +21,7 @@ class MissingError(Exception):
 
 @dataclass
 class Values:
-    """What one method found at some vertices."""
+    """The values of one method at some vertices."""
 
     vertices: np.ndarray  # (n,) int32
     values: np.ndarray  # (n,) float32
@@ -83,7 +83,7 @@ def cgal(build: Path, mesh: Path, radius: float, *kind: str) -> tuple[float, Val
 
 
 def printed(build: Path, name: str, words: list[str]) -> str:
-    """What a program prints; MissingError says what it complains of."""
+    """The output of a program; raises MissingError with its complaint."""
     done = subprocess.run([str(program(build, name)), *words], capture_output=True, text=True, check=False)
     if done.returncode:
         raise MissingError(f"{name}: {done.stderr.strip()}")

@@ -1,7 +1,7 @@
 """One job as users of each Python package write it: mean and Gaussian curvature at every vertex of a triangle mesh.
 
 A job takes (n, 3) float64 vertices, (m, 3) int64 faces and a radius in the vertices' unit, and gives two (n,) arrays;
-None where the package has no such curvature. What stands in its function is what is run, timed and counted as lines.
+None where the package has no such curvature. The body of its function is run and timed, and its lines are counted.
 """
 
 import inspect

@@ -55,7 +55,7 @@ def write(results: Path, root: Path | None) -> None:
 
 
 def stored(path: Path) -> dict | None:
-    """What a file of results holds, if it is there."""
+    """The content of a file of results, if it exists."""
     return json.loads(path.read_text()) if path.is_file() else None
 
 
@@ -223,7 +223,7 @@ def rough_cells(row: dict, heads: list[str]) -> list[str]:
 
 
 def readme_lines(found: dict, packages: dict | None = None) -> list[str]:
-    """What README shows: each program once, time beside error, and the lead over the baseline on large meshes."""
+    """The lines of README: each program once, time beside error, and the lead over the baseline on large meshes."""
     heads, rows = rough_heads(packages), packages["rows"] if packages else {}
     lines = [
         "Mean curvature of the Stanford bunny (69,451 triangles, radius 2 % of the diagonal) on two CPU cores, without"
@@ -313,7 +313,7 @@ def python_intro(found: dict) -> str:
 
 
 def manual_lines(found: dict) -> list[str]:
-    """What the manual shows: time on the last mesh, and errors on the first, which has a closed form."""
+    """The lines of the manual: time on the last mesh, and errors on the first, which has a closed form."""
     first, *_, last = list(found["meshes"]) * 2
     rows = python_rows(found)
     heads = rough_heads(found)

@@ -44,7 +44,7 @@ def head_of(*labels: str) -> list[str]:
 
 
 def compared(found: dict, *names: str) -> list[float]:
-    """What parts.against_baseline measured in each of these ways."""
+    """The results of parts.against_baseline for each of these names."""
     cells = []
     for one in (found[name] for name in names):
         cells += [one["samples"], one["error"], milliseconds(one["seconds"])]

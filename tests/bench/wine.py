@@ -30,7 +30,7 @@ def commands(threads: int) -> dict[str, list[str]]:
 
 
 def milliseconds(words: list[str]) -> float:
-    """What one run prints."""
+    """The times that one run prints."""
     environment = {**os.environ, "WINEPREFIX": str(RELEASE / "wine"), "WINEDEBUG": "-all"}
     environment["WINEDLLOVERRIDES"] = "mscoree=;mshtml="
     return float(subprocess.run(words, env=environment, capture_output=True, text=True, check=True).stdout.split()[-1])

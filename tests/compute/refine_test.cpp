@@ -1,4 +1,4 @@
-// What is kept of a surface that was divided for its maps, and for how long.
+// A surface that was divided for its maps: its kept arrays, and how long they are kept.
 #include "compute/refine.h"
 
 #include <string>

@@ -30,7 +30,7 @@ TEST_P(AmbientOpenness, plane_has_one_half) {
   expect_near(compute_one(mesh, "ambient_openness", settings), 0.5, 1e-6);
 }
 
-// What is not outside is inside.
+// The part of the ball that is not outside is inside.
 TEST_P(AmbientOpenness, is_what_the_normalized_sphere_volume_leaves) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
   lay_out(mesh, {.charts = 6});

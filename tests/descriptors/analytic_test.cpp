@@ -97,7 +97,7 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
       ratio = std::max(1.0, of_oracle.seams.mean / of_oracle.interior.mean);
       std::cout << "seams to interior: " << errors.seams.mean / errors.interior.mean << ", of the oracle " << ratio << '\n';
     }
-    // Where the radius spans few texels, those that a seam cuts are a good part of the neighborhood, and each stands for its
+    // If the radius spans few texels, those that a seam cuts are a large part of the neighborhood, and each stands for its
     // covered part by its center: sphere volume has 1.55 to 1.73 times the interior's error on six triangulations of the torus of
     // one chart (6 texels, 0.24 % against 0.145 %), 1.7502 times on this one.
     const double allowed = results.report.radius_in_texels < 8 ? 1.8 : 1.5;

@@ -60,7 +60,7 @@ TEST_P(Boundary, ball_with_a_hole_keeps_its_values_at_the_rim) {
   expect_near(results["gaussian_curvature"], 1, e * e / 2, rim);
   expect_near(results["local_bending_energy"], 1, e * e / 2, rim);
   expect_near(results["sphere_volume_normalized"], 0.5 - 3 * r / 16, 0.75 * e * e / (8 * r), rim);
-  // What is there is less than the disk; 4.5 %: euclidean_area_test.cpp says why.
+  // The existing area is less than the disk; euclidean_area_test.cpp explains the 4.5 %.
   for (size_t v = 0; v < rim.size(); ++v)
     EXPECT_TRUE(!rim[v] || results["euclidean_area"][v] < pi * r * r * 1.045) << "vertex " << v;
 }

@@ -1,5 +1,5 @@
-// The same bits again: over runs, over threads, over tiles; every descriptor, at vertices and at texels. Of one device: what
-// another may differ by is in paradesc.h.
+// The same bits again on one device: over runs, over threads, over tiles; every descriptor, at vertices and at texels.
+// paradesc.h says how much another device may differ.
 #include <cstring>
 #include <string>
 #include <vector>

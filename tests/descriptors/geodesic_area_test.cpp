@@ -13,8 +13,8 @@ namespace {
 class GeodesicArea : public OnBackend {};
 PDESC_ON_EACH_BACKEND(GeodesicArea);
 
-// A geodesic disk on a sphere of radius R has 2 pi R^2 (1 - cos(r/R)). The chords of 6000 vertices leave 0.1 %. What tells it
-// from the area in the ball is (r/R)^2/12: 0.8 % at the larger radius, ten times the tolerance.
+// A geodesic disk on a sphere of radius R has 2 pi R^2 (1 - cos(r/R)). The chords of 6000 vertices leave 0.1 %. It differs
+// from the area in the ball by (r/R)^2/12: 0.8 % at the larger radius, ten times the tolerance.
 TEST_P(GeodesicArea, sphere_has_that_of_the_cap) {
   TestMesh mesh = sphere(2, {.vertices = 6000});
   lay_out(mesh, {.charts = 6});

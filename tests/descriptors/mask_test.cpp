@@ -23,7 +23,7 @@ protected:
     return static_cast<int>(std::ranges::count_if(results.mask, [&](uint8_t mask) { return (mask & bit) != 0; }));
   }
 
-  // What the header says of the bits, vertex by vertex; the report counts the same.
+  // Checks the bits by their definition in the header, vertex by vertex; the report has the same counts.
   static void expect_the_report_to_count(const Results &results) {
     double coverage = 0;
     int with_face = 0, undefined = 0;

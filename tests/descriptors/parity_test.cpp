@@ -72,9 +72,9 @@ protected:
       std::cout << std::left << std::setw(26) << name << std::fixed << std::setprecision(4) << "%AE mean " << error.mean
                 << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
       RecordProperty(name, std::to_string(error.mean));
-      // Issue "Core": 1 % for every descriptor; the area within 1 % of the oracle's. Where the reference varies by less than 1 %
-      // of itself (k1 of a torus: 1/r, but for the bias of a finite neighborhood) its range is no measure, and it is held to 1 %
-      // of itself.
+      // Issue "Core": 1 % for every descriptor; the area within 1 % of the oracle's. If the reference varies by less than 1 % of
+      // itself (k1 of a torus: 1/r, but for the bias of a finite neighborhood), its range is no measure, and the error must be
+      // below 1 % of the value.
       double largest = 0;
       for (const double value : expected)
         if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
@@ -82,8 +82,8 @@ protected:
       for (size_t v = 0; v < expected.size(); ++v)
         ASSERT_EQ(std::isnan(values[v]), std::isnan(expected[v]))
             << name << " at vertex " << vertices[v] << " is defined on one side only";
-      // K of eq. (11) is a difference of areas over r^4: on these surfaces 0.04 % of GA are 4 % of K's range. What follows from H
-      // and K is looked at in the test of integrals.
+      // K of eq. (11) is a difference of areas over r^4: on these surfaces 0.04 % of GA are 4 % of K's range. The test of
+      // integrals checks the descriptors that follow from H and K.
       if (settings.estimator == PDESC_ESTIMATOR_INTEGRAL && follows_from_k(name)) continue;
       const bool of_areas = settings.estimator == PDESC_ESTIMATOR_INTEGRAL && name == "gaussian_curvature";
       // A product of four gradients has four times their relative error.

@@ -153,8 +153,8 @@ TEST_F(Relocation, without_seams_the_papers_samples_are_those_of_the_affine_relo
   }
 }
 
-// One chart that wraps around twice: every neighborhood at its border comes back over seams of the chart with itself. What the
-// paper keeps by (chart, seam) holds four images of a center at the chart's corner but not the one across.
+// One chart that wraps around twice: every neighborhood at its border comes back over seams of the chart with itself. The
+// paper's list by (chart, seam) holds four images of a center at the chart's corner but not the one across.
 TEST_F(Relocation, a_chart_that_meets_itself_is_found_once) {
   const TestMesh mesh = torus_of(1);
   for (const Settings &settings : {affine, paper}) {
@@ -201,8 +201,7 @@ TEST_F(Relocation, coverage_tells_what_the_paper_loses_where_charts_are_small) {
 }
 
 // Two charts of a square, the seam a straight line of the one and an arc of the other, narrower than the ball: each of its edges
-// leads elsewhere. Where samples reach the second chart over several of them, the nearest carries the center, and the pattern
-// with it.
+// leads elsewhere. If samples reach the second chart over several edges, the nearest edge carries the center and the pattern.
 TEST_F(Relocation, over_a_bent_seam_the_paper_takes_the_nearest_crossing) {
   TestMesh mesh = plane(1, 1, {.vertices = 4000, .irregular = false});
   constexpr double bend = 0.17, scale = 0.4, radius = 0.2; // of the arc, in units of the square
@@ -232,8 +231,8 @@ TEST_F(Relocation, over_a_bent_seam_the_paper_takes_the_nearest_crossing) {
   }
   std::cout << "area " << sum / count << " off on average, " << worst << " at most, over " << count << " vertices\n";
   ASSERT_GT(count, 100);
-  // Of 1024 samples a tenth lie on the rim, and count to a third of their size: 0.4 % at a vertex, measured, four times that at
-  // the worst. A center carried over the farthest edge leaves 1.6 % of the ball out on average, and 9 % at the worst.
+  // A tenth of the 1024 samples lie on the rim, and count to a third of their size: 0.4 % at a vertex, measured, four times that
+  // at the worst. A center carried over the farthest edge leaves 1.6 % of the ball out on average, and 9 % at the worst.
   EXPECT_NEAR(sum / count, 0, 0.004);
   EXPECT_LT(worst, 0.04);
 }

@@ -1,5 +1,5 @@
-// Surfaces that come near themselves: thin shells, folded sheets, parts that touch at a vertex or along an edge. What is near in
-// space but not connected within the ball does not count.
+// Surfaces that come near themselves: thin shells, folded sheets, parts that touch at a vertex or along an edge. Surface
+// that is near in space but not connected within the ball does not count.
 #include <algorithm>
 #include <cmath>
 

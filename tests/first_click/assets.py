@@ -20,7 +20,7 @@ import models  # noqa: E402
 
 @dataclass(frozen=True)
 class Asset:
-    """What is imported and clicked on."""
+    """An asset that is imported and clicked on."""
 
     name: str
     mask: str  # the one that suits it

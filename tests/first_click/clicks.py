@@ -1,4 +1,4 @@
-"""What one click leaves: the mask as it is shown at points of the surface, with every setting at its default."""
+"""The result of one click: the mask as it is shown at points of the surface, with every setting at its default."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ class Shown:
     image: bpy.types.Image | None = None
 
     def measured(self, hard: bool) -> Measures:
-        """What an artist sees of it; of a hard surface what flat faces have, too."""
+        """The measures of the shown mask; for a hard surface, they include its flat faces."""
         faces = flat_faces(self.surface, self.points, self.radius) if hard else None
         return measured(self.values, self.points, faces)
 
@@ -110,5 +110,5 @@ def in_image(target: bpy.types.Object, mask: str, image: bpy.types.Image) -> Sho
 
 
 def offers_image(target: bpy.types.Object) -> bool:
-    """Whether the panel offers Bake to Image first, since most of the area lies in faces too large for vertex colors."""
+    """Returns whether the panel offers Bake to Image first: most of the area lies in too large faces."""
     return large_faces.every([target], bpy.context.scene.paradesc_animation.source)

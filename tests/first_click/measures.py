@@ -73,7 +73,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Measures:
-    """What is measured of one mask; nothing about flat faces where there are none."""
+    """The measures of one mask; without flat faces, theirs are missing."""
 
     white: float  # the value at the 98th percentile of what is not black
     bright: float  # share of the area above 0.5
@@ -82,7 +82,7 @@ class Measures:
     flat: float = 0.0  # share of the area in flat faces
 
     def faults(self) -> list[str]:
-        """What an artist could not use, in words."""
+        """The reasons why an artist could not use the mask."""
         found = []
         if self.white < WHITE:
             found.append("no white")

@@ -30,7 +30,7 @@ than {measures.CLEAR} radii from every edge around it, at {measures.FEWEST} plac
 Vertices are measured at the corners of triangles, images at 200,000 points of the surface.
 
 *Dirty* is Blender's Dirty Vertex Colors at its defaults, inverted for cavities. *Pointiness* is that of the Geometry node, baked by
-Cycles at the vertices, behind a ramp from 0.5 to 0.55 (to 0.45 for cavities), as tutorials set it. What is flat for them is so by the
+Cycles at the vertices, behind a ramp from 0.5 to 0.55 (to 0.45 for cavities), as tutorials set it. Their flat faces are found by the
 radius of the click.
 """
 
@@ -45,7 +45,7 @@ def cells(row: "Row") -> list[str]:
 
 
 def verdict(row: "Row") -> str:
-    """What is wrong, or that it is usable."""
+    """The faults of a row, or that it is usable."""
     return ", ".join(row.faults) or "usable"
 
 

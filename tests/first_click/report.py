@@ -28,7 +28,7 @@ from assets import ASSETS, Asset  # noqa: E402
 
 @dataclass
 class Row:
-    """What came of one click on one asset, or of one of Blender's masks."""
+    """The result of one click on one asset, or of one of Blender's masks."""
 
     asset: str
     mask: str
@@ -41,7 +41,7 @@ class Row:
 
     @property
     def faults(self) -> list[str]:
-        """What an artist could not use."""
+        """The reasons why an artist could not use the result."""
         return [self.refusal] if self.found is None else self.found.faults()
 
 

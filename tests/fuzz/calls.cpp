@@ -1,5 +1,5 @@
 // libFuzzer's entry: any bytes → a sequence of calls of the C interface, in any order and with any arguments that a caller may
-// give without lying about the length of an array. What comes back is checked; the sanitizers watch the rest.
+// give without lying about the length of an array. Returned values are checked; the sanitizers watch the rest.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,9 +33,9 @@ constexpr bool on_device = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_SOFTWARE;
 constexpr bool on_reference = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_REFERENCE;
 constexpr int32_t most_samples = on_reference ? 4096 : on_device ? 64 : 256, most_texels = on_reference ? 8192 : 64;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
-// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces
-// are divided for their maps, it keeps the pieces from becoming millions; on the reference thousands, all of which it sums over
-// at each point of the pieces where operators work on a map.
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. If surfaces
+// are divided for their maps, the limit keeps the pieces from becoming millions, or thousands on the reference, which sums over
+// all pieces at each of their points for filters of a map.
 constexpr int64_t usual_limit = int64_t{1} << (on_device ? 31 : on_reference ? 22 : 26);
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
@@ -107,7 +107,7 @@ struct FieldSlot {
   std::vector<std::string> names;
 };
 
-// What a progress callback sees and does.
+// The state and the action of a progress callback.
 struct Watch {
   std::thread::id caller;
   int until_cancel;
@@ -263,7 +263,7 @@ private:
     check_field(slot, mesh);
   }
 
-  // -1: never. What takes time are the sums, so the target of stopped computations gets as far as those, and rarely on.
+  // -1: never. The sums take most of the time, so the target of stopped computations reaches them, but rarely goes on.
   int calls_until_cancel() {
     if (mostly_stopped) return bytes_.one_in(32) ? -1 : bytes_.below(2);
     return bytes_.one_in(8) ? bytes_.below(40) : -1;

@@ -171,7 +171,7 @@ def chosen_options(source, count, faces):
 
 
 def copied(value):
-    """What a value was, to be compared afterwards; None for what needs no look."""
+    """A copy of a value, to be compared afterwards; None for values that need no comparison."""
     return value.tobytes() if type(value) is np.ndarray and value.dtype.kind != "O" else None
 
 

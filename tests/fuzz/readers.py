@@ -41,7 +41,7 @@ except ImportError:
 
 # More than the interpreter, Blender and any input here need.
 MOST_MEMORY = 2 << 30
-# Where Linux has files that no disk waits for.
+# The folder in which Linux keeps files in memory.
 IN_MEMORY = "/dev/shm"
 
 

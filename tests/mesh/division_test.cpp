@@ -44,7 +44,7 @@ struct Divided {
   explicit Divided(const TestMesh &mesh, uint32_t seed)
       : Divided(read_triangles(input_of(mesh)), [&](const Triangles &) { return by_chance(seed); }) {}
 
-  // Of a fan's place in its triangle.
+  // Returns the position of a fan's place in its triangle.
   dvec3 place(int32_t triangle, vec2 weights) const {
     const auto corner = [&](int k) { return dvec3(built.triangles.position(3 * triangle + k)); };
     return corner(0) + (corner(1) - corner(0)) * static_cast<double>(weights.x) +
@@ -222,7 +222,7 @@ TEST(Division, of_a_large_map_on_large_triangles_is_planned_by_few_times_as_many
   }
 }
 
-// Of an image whose size times a (u, v) no float holds, say.
+// For example, no float may hold the size of an image times a (u, v).
 TEST(Division, ends_where_lengths_are_no_numbers) {
   const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
   const MeasureTriangle measure = [](int32_t) {

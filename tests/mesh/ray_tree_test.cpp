@@ -1,4 +1,5 @@
-// What rays meet: closed forms, a plain search over all triangles to the bit, and rays through edges and vertices.
+// The hits of rays agree with closed forms, and to the bit with a plain search over all triangles, also through edges and
+// vertices.
 #include "mesh/ray_tree.h"
 
 #include <chrono>

@@ -52,7 +52,7 @@ class Mutant:
 
 @dataclass
 class Outcome:
-    """What became of one mutation."""
+    """The outcome of one mutation."""
 
     name: str
     result: str  # noticed, survived, equivalent, does not apply, does not build, no test ran

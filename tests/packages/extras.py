@@ -1,4 +1,4 @@
-"""What a new user does with files of every kind, and with a library on Dask, without Blender.
+"""The steps of a new user with files of every kind, and with a library on Dask, without Blender.
 
 Run in an empty folder by the Python of an environment with paradesc[farms], and with trimesh, which makes files.
 """

@@ -29,8 +29,9 @@ static library_t open_library(const char *path) { return dlopen(path, RTLD_NOW |
   F(pdesc_context_create)                                                                                                        \
   F(pdesc_context_destroy)                                                                                                       \
   F(pdesc_context_device)                                                                                                        \
-  F(pdesc_mesh_input_init) F(pdesc_mesh_create) F(pdesc_mesh_set_positions) F(pdesc_mesh_destroy) F(pdesc_options_init)          \
-      F(pdesc_compute) F(pdesc_field_values) F(pdesc_field_destroy) F(pdesc_descriptor_count) F(pdesc_descriptor_get)            \
+  F(pdesc_mesh_input_init)                                                                                                       \
+  F(pdesc_mesh_create) F(pdesc_mesh_set_positions) F(pdesc_mesh_destroy) F(pdesc_options_init) F(pdesc_compute)                  \
+      F(pdesc_field_values) F(pdesc_field_destroy) F(pdesc_descriptor_count) F(pdesc_descriptor_get)                             \
           F(pdesc_descriptor_info_init)
 #define DECLARE(name) static __typeof__(&name) call_##name;
 FUNCTIONS(DECLARE)
@@ -66,7 +67,7 @@ static inline pdesc_context *open_backend(const char *library_path, int32_t back
   return context;
 }
 
-/* What a mesh needs; corners follow each other, three a triangle. */
+/* The arrays of a mesh; corners follow each other, three for each triangle. */
 typedef struct {
   int vertices, triangles;
   const float *positions, *corner_uvs; /* corner_uvs: or NULL */

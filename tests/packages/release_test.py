@@ -106,7 +106,7 @@ def test_mac_library_needs_the_system_alone_and_is_found_by_its_name(platform, m
 
 
 def printed(words):
-    """What a caller of the library prints."""
+    """The lines that a caller of the library prints."""
     environment = {**os.environ, "WINEPREFIX": str(RELEASE / "wine"), "WINEDEBUG": "-all"}
     environment["WINEDLLOVERRIDES"] = "mscoree=;mshtml="
     done = subprocess.run(
@@ -116,7 +116,7 @@ def printed(words):
 
 
 def curvatures(words):
-    """What sphere_curvature prints: version, device, and values by descriptor."""
+    """The values that sphere_curvature prints: version, device, and values by descriptor."""
     return dict(line.split(" ", 1) for line in printed(words))
 
 

@@ -1,4 +1,4 @@
-"""What lies in the wheels and in the sdist of a release; that they run is tested by tests/wheels.sh, which runs this.
+"""The content of a release's wheels and sdist; tests/wheels.sh, which runs this, also tests that they run.
 
 PARADESC_WHEELS names their folder, PARADESC_RELEASE that of the libraries.
 """
@@ -29,7 +29,7 @@ PLATFORMS = {
     "macosx_10_13_x86_64": ("macos-x64", "libparadesc-x86_64.dylib"),
     "macosx_11_0_arm64": ("macos-arm64", "libparadesc-arm64.dylib"),
 }
-# Of the targets in native/cmake/zig.cmake: what a tag says the same by.
+# The targets of native/cmake/zig.cmake that each tag stands for.
 TARGETS = {
     r"manylinux_(\d+)_(\d+)_(\w+)": r"\3-linux-gnu.\1.\2",
     r"macosx_(\d+)_(\d+)_x86_64": r"x86_64-macos.\1.\2",

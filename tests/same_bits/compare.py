@@ -39,7 +39,7 @@ class Count:
 
 
 def unequal(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Where the bits differ, flat; everywhere if shape or type differ."""
+    """The flat indices at which bits differ; all of them if shape or type differ."""
     if old.shape != new.shape or old.dtype != new.dtype:
         return np.ones(max(old.size, 1), bool)
     if not old.size:
@@ -64,7 +64,7 @@ def difference(mesh: str, key: str, old: np.ndarray, new: np.ndarray, apart: np.
 
 
 def compare(mesh: str, old: Path, new: Path) -> tuple[Count, list[Difference], list[str]]:
-    """Compares one mesh: counts, arrays and sentences that differ. What only the new tree has does not count."""
+    """Compares one mesh: counts, arrays and sentences that differ. Entries that only the new tree has do not count."""
     count, differences, sentences = Count(mesh), [], []
     with np.load(old) as before, np.load(new) as after:
         names = set(after.files)

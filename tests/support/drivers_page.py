@@ -1,4 +1,4 @@
-"""What tests/drivers.py found, as tables of tests/DRIVERS.md: drivers, and registers of what takes the time."""
+"""The results of tests/drivers.py as tables of tests/DRIVERS.md: drivers, and registers of the slow programs."""
 
 import platform
 import re
@@ -20,7 +20,7 @@ def lines_of_file(path):
 
 
 def name_of(file, variants, stored):
-    """What a program is called in the table, or nothing if it has no row there."""
+    """The name of a program in the table, or nothing if it has no row there."""
     if file != EVALUATE:
         return ", ".join([file.removeprefix("paper/"), *("16 bits" for _ in {"HALF_FLOATS"} & variants)])
     if variants & {"INTEGRAL", "GEODESIC_BALL", "ADAPTIVE", "HALF_FLOATS", "CHORDS", "DIRECTIONAL"}:

@@ -9,8 +9,8 @@
 
 namespace paradesc::test {
 
-// NaN on both sides or on none. Where values exist they differ by no more than this part of them, or of what is usual for them
-// where that is larger. Returns how many exist.
+// Expects NaN on both sides or on none. Values that exist may differ by this part of the value, or of its usual size if that is
+// larger. Returns how many values exist.
 inline int expect_like(std::span<const float> values, std::span<const float> expected, std::span<const double> usual,
                        double part) {
   EXPECT_EQ(values.size(), expected.size());

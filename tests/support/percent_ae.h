@@ -15,8 +15,8 @@ struct PercentAe {
 };
 
 // Undefined (NaN) on both sides: left out; on one side only: 100 %. subset: empty, or 1 for each vertex to compare.
-// Where the reference is constant its magnitude is the denominator; where it is zero, flat_scale is (1/r for H and k on a plane,
-// 1/r² for K and bending energy).
+// If the reference is constant, its magnitude is the denominator; if it is zero, flat_scale is the denominator (1/r for H and k
+// on a plane, 1/r² for K and bending energy).
 PercentAe percent_ae(std::span<const float> values, std::span<const double> reference, std::span<const uint8_t> subset = {},
                      double flat_scale = 0);
 

@@ -24,7 +24,7 @@ Triangles bevelled_box(double width);
 // sides it is a cylinder.
 Triangles prism(int sides, int rows = 1, int rings = 1);
 
-// Of the bounding box.
+// Returns the diagonal of the bounding box.
 double diagonal_of(const Triangles &triangles);
 
 } // namespace paradesc::test

@@ -124,8 +124,8 @@ TestMesh goursat(double b, const Triangulation &triangulation) {
   return mesh;
 }
 
-// What is within fillet of a smaller cube. A direction d meets the unit cube's surface at c; an equal share of each edge of the
-// grid on its faces goes to the rounding and to the flat.
+// Returns the surface of all points within fillet of a smaller cube. A direction d meets the unit cube's surface at c; an equal
+// share of each edge of the grid on its faces goes to the rounding and to the flat.
 TestMesh rounded_cube(double half, double fillet, const Triangulation &triangulation) {
   TestMesh mesh = triangulate_sphere(triangulation);
   mesh.lengths = {half, half, half};

@@ -14,7 +14,7 @@ constexpr int flip_rounds = 12;
 // Twice the area of (a, b, c) in the parameter plane.
 double area(Vec3 a, Vec3 b, Vec3 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-// Counter-clockwise a b c d → two triangles. Of a quadrilateral that is not convex only one diagonal lies inside.
+// Counter-clockwise a b c d → two triangles. Only one diagonal of a quadrilateral that is not convex lies inside.
 void add_cell(TestMesh &mesh, const std::array<int32_t, 4> &v, const std::array<Vec3, 4> &p, int32_t patch, bool other_diagonal) {
   const bool diagonal_ac = area(p[0], p[1], p[2]) > 0 && area(p[0], p[2], p[3]) > 0;
   const bool diagonal_bd = area(p[0], p[1], p[3]) > 0 && area(p[1], p[2], p[3]) > 0;

@@ -18,7 +18,7 @@ TURN = 0.02
 
 
 class Run:
-    """Where a group leaves its pictures and what it found."""
+    """The place of a group's pictures, and its findings."""
 
     def __init__(self, group: str, folder: Path) -> None:
         """Begins anew."""

@@ -1,4 +1,4 @@
-"""What a person does in Blender's window: looks, moves the mouse, clicks. Every yield lets Blender handle events and draw."""
+"""A person in Blender's window, who looks, moves the mouse and clicks. Blender handles events and draws at a yield."""
 
 import sys
 import time
@@ -203,7 +203,7 @@ def open_tab() -> Iterator[bool]:
 
 
 def is_ours() -> Iterator[bool]:
-    """Whether the sidebar shows the add-on's panel, in Blenders that do not say so: one of its buttons is near its top."""
+    """Returns whether the sidebar shows the add-on's panel in older Blenders: one of its buttons is near its top."""
     there = region("UI")
     for y in range(there.y + there.height - 40, there.y + there.height - 150, -ROW):
         yield from move(there.x + there.width // 3, y)

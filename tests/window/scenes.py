@@ -67,12 +67,12 @@ def imported(file: str) -> list[bpy.types.Object]:
 
 
 def baked(name: str) -> bool:
-    """Whether a mesh of the scene has values of this name."""
+    """Returns whether a mesh of the scene has values of this name."""
     return any(item.type == "MESH" and name in item.data.attributes for item in bpy.context.scene.objects)
 
 
 def idle() -> bool:
-    """Whether no bake runs."""
+    """Returns whether no bake runs."""
     from paradesc_blender.bake.modal import ModalJob
 
     return ModalJob.running is None

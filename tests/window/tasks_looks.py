@@ -113,7 +113,7 @@ def interface(run: "Run") -> Iterator[None]:
 
 
 def dark(run: "Run") -> Iterator[None]:
-    """What the panel says of a mask that is nearly all black, and its button."""
+    """The panel's line about a mask that is nearly all black, and its button."""
     imported("human.obj")
     as_found()
     bpy.context.scene.paradesc.radius_percent = 2.0

@@ -17,7 +17,7 @@ from PIL import Image
 from studio import View
 
 BUNNY = Path(__file__).resolve().parents[4] / "shared" / "meshes" / "stanford-bunny.obj"
-# Where Pointiness is black, the grey that a screen shows halfway, and white; flat surfaces have 0.5.
+# The values at which Pointiness is black, the grey that a screen shows halfway, and white; flat surfaces have 0.5.
 RAMP = ((0.45, 0.0), (0.5, 0.214), (0.55, 1.0))
 COLUMNS = ("Dirty Vertex Colors", "Pointiness", "Paradesc")
 SIZE, SAMPLES = (620, 480), 24

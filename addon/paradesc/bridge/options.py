@@ -27,23 +27,23 @@ CHOICES = {
 
 
 def uses_texture_space(backend: str) -> bool:
-    """Whether a backend, other than auto, bakes buffers over a UV map, and so needs one."""
+    """Returns whether a backend, other than auto, bakes buffers over a UV map, and so needs one."""
     return METHODS[backend] == "texture space"
 
 
-# How to compute; the defaults are those of pdesc_options_init.
+# The settings of a computation; the defaults are those of pdesc_options_init.
 Options = make_dataclass(
     "Options",
     [
         (name, type(default), default)
         for name, default in (("radius", 0.02), *((row.name, row.default) for row in TABLE))
     ],
-    namespace={"__module__": __name__, "__doc__": "How to compute."},
+    namespace={"__module__": __name__, "__doc__": "The settings of a computation."},
 )
 
 
 def needs_texture_space(options: Options, buffers: bool = False) -> bool:
-    """Whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
+    """Returns whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
     return (
         buffers
         or options.relocation != "connected"

@@ -23,7 +23,7 @@ def far_center(points: np.ndarray) -> np.ndarray | None:
 
 
 def is_around_origin(points: np.ndarray) -> bool:
-    """Whether a sample of (n, 3) positions shows that they are not far. It is quick, as it runs several times a frame.
+    """Returns whether a sample of (n, 3) positions shows that they are not far. It runs several times for each frame.
 
     The middle of a box is at most half of its width away from any point, so a box that lies far from the origin has no
     point nearer to it than that.

@@ -1,8 +1,8 @@
-"""Computes one asset of a library and describes it as a row, the same wherever that is done. Never imports bpy.
+"""Computes one asset of a library and describes it as a row, in the same way on every machine. Never imports bpy.
 
-The results of FOLDER/props/crate.obj are OUT/results/props/crate.obj.npz, and its row is beside it as .json. Both are
-written whole, the row last: a row that is there belongs to results that are there. So a task may be killed, repeated,
-and done twice at the same time.
+The results of FOLDER/props/crate.obj are OUT/results/props/crate.obj.npz, and its row is beside it as .json. Both files
+are written completely or not at all, the row last, so every existing row has its results. Therefore a task may be
+killed, repeated, and run twice at the same time.
 """
 
 import argparse

@@ -23,7 +23,7 @@ EXIT_TERMINATED = 143  # SIGTERM
 PROGRESS = ("auto", "lines", "openjd", "off")
 # Lines of --progress lines and openjd are at least this share of the work apart.
 LINE_STEP = 0.05
-# What reaches Blender's scene: an enabled add-on adds its class SceneSource; else this package has one, if it is there.
+# The class that reads Blender's scene: an enabled add-on adds its SceneSource; else BLENDER_PART has one, if installed.
 BLENDER: list[type] = []
 BLENDER_PART = "paradesc_blender"
 ADDON_REMEDY = f"put the folder that holds {BLENDER_PART} on PYTHONPATH"

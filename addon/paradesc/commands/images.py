@@ -1,4 +1,4 @@
-"""Writes the images over the UV maps of what was baked, tile after tile where a map has UDIM tiles."""
+"""Writes images of baked values over the UV maps, tile after tile if a map has UDIM tiles."""
 
 import argparse
 import re

@@ -1,4 +1,4 @@
-"""Runs one command of the command line: turns its words into an exit code, a JSON report and sentences."""
+"""Runs one command of the command line: turns its arguments into an exit code, a JSON report and sentences."""
 
 import argparse
 import contextlib

@@ -156,7 +156,7 @@ def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> obj
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     """The settings once the file is open: what is not given comes from --preset, else the scene, else the defaults.
 
-    What else a preset says is in preset_content of the arguments. --scene-settings also supplies the source, the shape
+    The rest of a preset is in preset_content of the arguments. --scene-settings also supplies the source, the shape
     key, the cage distance, and whether material maps and the change against rest are measured, unless an option does.
     """
     usual = getattr(arguments, "usual_source", "original")

@@ -1,4 +1,4 @@
-"""Where the commands find meshes: in files that Paradesc itself reads, or in Blender's scene by the add-on."""
+"""Finds the meshes of a command: in files that Paradesc itself reads, or in Blender's scene by the add-on."""
 
 import argparse
 import sys

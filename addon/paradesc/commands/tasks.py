@@ -1,7 +1,7 @@
 """paradesc tasks: lists the tasks into which another command divides, for engines that share them out over machines.
 
-A line of JSON for each: name, stage (those of a stage run in any order, once the stage before is done), command (the
-words to run), input and outputs.
+Each task is a line of JSON: name, stage (tasks of a stage run in any order, after the stage before), command (with its
+arguments), input and outputs.
 """
 
 import argparse

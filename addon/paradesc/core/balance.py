@@ -33,7 +33,7 @@ ENOUGH_CHANGES = 3
 TELLING = APART
 # The radius of least error takes the squared bias times this: changes of what bends within a radius are less than r² has it.
 CAUTION = 2.0
-# By what power of r an estimator blurs.
+# The power of r with which the blur of an estimator grows.
 BLUR = {"shape-operator": 2, "extrapolated": 4}
 # The radii that are looked at in any case end at so many times the least; later ones are, if the best is not so far below.
 FIRST, BEYOND = 4.0, 1.9

@@ -123,7 +123,7 @@ class Look:
         return self.ranges.get(descriptor.name) or self.ranges.get("")
 
     def is_automatic(self, diverging: bool) -> bool:
-        """Whether no range, percentile, other neutral value or asymmetry is set, so that the values decide alone."""
+        """Returns whether only the values decide: no range, percentile, other neutral value or asymmetry is set."""
         is_usual = not diverging or (self.symmetric and self.neutral is None)
         return is_usual and not self.ranges and self.percentile is None
 

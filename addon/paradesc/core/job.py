@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, origin
-from . import advice, balance, color_maps, contexts, fitting, mesh_faults
+from . import advice, balance, color_maps, contexts, fitting, mesh_faults, voxels
 from .color_maps import MASKS, Look, ValueRange, Weighted, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -161,6 +161,11 @@ class Results:
         """The first radius in units of the positions."""
         return float(self.field_report["radius"])
 
+    @property
+    def least_radius(self) -> float:
+        """The smallest radius in units of the positions."""
+        return min(float(report["radius"]) for report in self.field_reports.values())
+
     def report_of(self, name: str) -> dict[str, float | int]:
         """The field report of the radius that these values belong to."""
         return self.field_reports.get(name[len(registry_name(name)) :], self.field_report)
@@ -177,10 +182,9 @@ class Results:
     def facet_notes(self) -> list[str]:
         """Warnings about defects of the mesh, and about a radius below the mean edge, at which values show facets."""
         edge = self.mesh_report["mean_edge"]
-        least = min(report["radius"] for report in self.field_reports.values())
-        if least >= edge or self.settings.radius_fit == fitting.FITTED:
+        if self.least_radius >= edge or self.settings.radius_fit == fitting.FITTED:
             return self.shape_notes
-        share = f"{least / edge:.2g}"
+        share = f"{self.least_radius / edge:.2g}"
         facets = f"The radius is only {share} of the mean edge, so values show single faces; choose a larger one."
         return [*self.shape_notes, facets]
 
@@ -301,7 +305,7 @@ def backend_for(settings: Settings, buffers: bool = False) -> str:
 
 
 def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
-    """Whether computing needs UVs, so that a mesh without a map gets a layout; displacing images need its own map."""
+    """Returns whether computing needs UVs. Then a mesh without a map gets a layout; displacing images need its map."""
     backend = backend_for(settings, buffers=buffers)
     return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
 
@@ -325,6 +329,7 @@ def run_on(
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
+    results.shape_notes += voxels.notes(arrays.positions, results.least_radius, settings.radius_fit == fitting.FITTED)
     if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
     results.warnings += mesh_faults.sentences(results.mesh_report)

@@ -18,7 +18,7 @@ TOO_MUCH = 0.2
 
 
 def are_too_large(positions: np.ndarray, triangles: np.ndarray) -> bool:
-    """Whether a mask of (n, 3) triangles belongs into an image, and not to the (vertex_count, 3) positions."""
+    """Returns whether a mask of (n, 3) triangles belongs into an image, and not to the (vertex_count, 3) positions."""
     return share(positions, triangles) > TOO_MUCH
 
 

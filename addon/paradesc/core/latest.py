@@ -72,5 +72,5 @@ class Latest(Generic[Request, Result]):
 
 
 def is_cancelled(error: BaseException) -> bool:
-    """Whether the outcome is a cancellation."""
+    """Returns whether the outcome is a cancellation."""
     return isinstance(error, ParadescError) and error.status == abi.STATUS_CANCELLED

@@ -6,7 +6,7 @@ import numpy as np
 GUTTER = 0.004
 # With very many charts gutters get narrower: in a row of equal charts they take at most this share of the side.
 LARGEST_GUTTER_SHARE = 0.25
-# How often the interval in which the scale is searched is halved.
+# The number of times that the interval of the scale is halved.
 SCALE_STEPS = 30
 
 

@@ -9,7 +9,7 @@ HIGH = re.compile(r"[_ .-]high(?![a-z])", re.IGNORECASE)
 
 
 def is_one_of_a_pair(name: str) -> bool:
-    """Whether a name contains one of the marks."""
+    """Returns whether a name contains one of the marks."""
     return bool(LOW.fullmatch(name) or HIGH.search(name))
 
 

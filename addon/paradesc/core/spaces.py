@@ -16,7 +16,7 @@ def scales(matrix: np.ndarray) -> np.ndarray:
 
 
 def is_even(matrix: np.ndarray) -> bool:
-    """Whether a matrix scales all directions alike; it may mirror."""
+    """Returns whether a matrix scales all directions alike; it may mirror."""
     found = scales(matrix)
     return bool(found[0] - found[2] <= EVEN * found[0])
 

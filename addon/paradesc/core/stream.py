@@ -47,7 +47,7 @@ class Stream(bridge.Closing):
         return job.backend_for(self.settings)
 
     def matches(self, arrays: MeshArrays) -> bool:
-        """Whether only positions differ (and normals and tangents, which follow them)."""
+        """Returns whether only positions differ (and normals and tangents, which follow them)."""
         return same_topology(arrays, self.arrays) and same_images(arrays.maps, self.arrays.maps)
 
     def replace(self, arrays: MeshArrays) -> None:
@@ -151,7 +151,7 @@ class Contact:
         return together and apart and np.array_equal(self.flat, self.without_area(columns))
 
     def is_of_rounding(self, mesh_report: dict[str, float | int]) -> bool:
-        """Whether vertices were welded that do not coincide exactly; at other positions, other vertices might be."""
+        """Returns whether welded vertices do not coincide exactly; at other positions, others might be welded."""
         return mesh_report["welded_vertices"] > self.vertex_count - self.group_count
 
     def without_area(self, columns: np.ndarray) -> np.ndarray:
@@ -188,9 +188,9 @@ def distinct(keys: np.ndarray) -> int:
 
 
 def goes_on(results: job.Results) -> bool:
-    """Whether a mesh made at other positions would be the same: nothing was taken apart or laid out afresh.
+    """Returns whether a mesh made at other positions would be the same: nothing was taken apart or laid out afresh.
 
-    Where several fans of faces meet in a vertex, the widest represents it, and a private layout depends on areas. Both
+    If several fans of faces meet in a vertex, the widest represents it, and a private layout depends on areas. Both
     may change with the positions.
     """
     if results.mesh_report["nonmanifold_vertices"]:
@@ -205,19 +205,19 @@ def goes_on(results: job.Results) -> bool:
 
 
 def same(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Whether two arrays are equal, or both None."""
+    """Returns whether two arrays are equal, or both None."""
     return first is second or (first is not None and second is not None and np.array_equal(first, second))
 
 
 def same_topology(first: MeshArrays, second: MeshArrays) -> bool:
-    """Whether two meshes have the same faces on as many vertices."""
+    """Returns whether two meshes have the same faces on as many vertices."""
     return len(first.positions) == len(second.positions) and all(
         same(getattr(first, name), getattr(second, name)) for name in TOPOLOGY
     )
 
 
 def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | None) -> bool:
-    """Whether displacement and normal map are equal, or both None."""
+    """Returns whether displacement and normal map are equal, or both None."""
     if first is None or second is None:
         return first is second
     return (

@@ -49,7 +49,7 @@ def side_for(size: int, arrays: MeshArrays) -> int:
 
 
 def one_by_one(arrays: MeshArrays, settings: job.Settings, size: int, exact: bool) -> bool:
-    """Whether each tile is evaluated when its turn comes; else one map serves all of them.
+    """Returns whether each tile is evaluated when its turn comes; else one map serves all of them.
 
     To engines in texture space the UV map is a part of what is measured, and images that move the surface lie over it.
     """

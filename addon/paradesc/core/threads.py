@@ -99,7 +99,7 @@ class Worker(Generic[Result]):
 
     @property
     def done(self) -> bool:
-        """Whether result() returns without waiting."""
+        """Returns whether result() returns without waiting."""
         return self._thread is not None and not self._thread.is_alive()
 
     def cancel(self) -> None:

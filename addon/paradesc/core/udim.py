@@ -148,7 +148,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
 
 
 def in_first(uvs: np.ndarray) -> bool:
-    """Whether (n, 3, 2) UV coordinates lie in the square of tile 1001."""
+    """Returns whether (n, 3, 2) UV coordinates lie in the square of tile 1001."""
     return len(uvs) > 0 and bool(uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL)
 
 

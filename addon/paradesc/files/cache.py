@@ -39,7 +39,7 @@ ENDING = ":quantiles"  # of the names of their arrays
 FRAMES = re.compile(r"(-?\d+)(?:[:-](-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
-# How often, and after how many seconds, a file is read again that another machine may still be writing.
+# The number of times, and the seconds after which, a file is read again that another machine may still be writing.
 METHOD_TRIES, METHOD_WAIT = 20, 0.1
 # The folder beside the .blend, if no other is given.
 DEFAULT_FOLDER = "paradesc_cache"

@@ -230,7 +230,7 @@ def shared_tables(meshes: list[dict]) -> set[int]:
 def part_of(document: Document, number: int, shared: set[int]) -> PolygonMesh:
     """The triangles of a mesh; it has texture coordinates and normals if all primitives have.
 
-    Of a table of positions that other meshes have as well it keeps the vertices that it uses.
+    If meshes share a table of positions, each mesh keeps the vertices that it uses.
     """
     tables: dict[int, tuple[int, np.ndarray]] = {}  # where each begins among the vertices
     triangles, uvs, normals = [np.empty((0, 3), np.int64)], [], []

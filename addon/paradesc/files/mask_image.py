@@ -18,7 +18,7 @@ WHOLE, MIDDLE = 65535, 32768
 # A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
 SMALLEST_CLEAN = 128
 LEAST_GUTTER = 8
-# Beside charts every texel is filled, further out squares of so many texels along a side.
+# Every texel beside a chart is filled; further out, squares with this side in texels are filled as a whole.
 SQUARE = 8
 # Rows of pixels that are worked on together, so that they stay in the processor's cache.
 BAND = 8 * SQUARE

@@ -1,7 +1,7 @@
-"""Reads mesh files without Blender, each by a reader of our own, but GIFTI and FreeSurfer's by nibabel.
+"""Reads mesh files without Blender, each format by its own reader; nibabel reads GIFTI and FreeSurfer's files.
 
-A file's own vertices are kept in their order, whether a face uses them or not; only the loose triangles of .stl, which
-have no vertices in common, are welded.
+A file's own vertices are kept in their order, whether a face uses them or not. Only the triangles of .stl, which have
+no common vertices, are welded.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """Reads a Wavefront .obj into polygons that keep the file's own vertices, one mesh for each object of the file.
 
-Libraries for this format divide vertices where texture coordinates part, and results belong to the file's vertices.
-Texture coordinates and normals that are damaged, which no value at a vertex needs, are left out, and a note says so.
+Other libraries split vertices that have several texture coordinates, but results belong to the file's vertices.
+Values at vertices need no texture coordinates and no normals: damaged ones are left out, and a note says so.
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,7 @@
 """Reads a .off, the text format of Geomview, into polygons of the file's own vertices. Never imports bpy.
 
-Rows are lines, but for files that have several vertices in a line or a face over several; colors that follow a face's
-vertices, and normals, colors and texture coordinates that follow a vertex, are left out.
+A row is a line, except in files that have several vertices in a line or a face over several lines. The colors of faces,
+and the normals, colors and texture coordinates of vertices, are left out.
 """
 
 import re

@@ -1,8 +1,8 @@
 """Presets as JSON files: read, checked as a whole and written, but never executed. Never imports bpy.
 
 A file is one object: paradesc_preset (the version of the format), name, purpose, and up to three sections, settings,
-colors and image, each an object from the names of properties to their values. Which properties there are, and what
-their values may be, is said by rules that whoever reads the file brings along.
+colors and image, each an object from the names of properties to their values. The caller of the reader supplies rules
+that define the properties and their values.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Turns the lines of text files into rows of numbers, all at once where every line is sound. Never imports bpy."""
+"""Turns the lines of text files into rows of numbers, all at once if every line is valid. Never imports bpy."""
 
 import re
 import warnings

@@ -1,6 +1,6 @@
 """Reads VTK's legacy format, .vtk, text or binary, into polygons of the file's own points. Never imports bpy.
 
-Strips become triangles; loose points, lines and what follows the cells, values of points and of cells, are left out.
+Strips become triangles. Loose points, lines, and the values of points and of cells are left out.
 """
 
 import re

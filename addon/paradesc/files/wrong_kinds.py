@@ -18,7 +18,7 @@ XML = (".vtp", ".gii")
 # Two letters, each with a zero byte before or after it.
 WIDE_TEXT = re.compile(rb"(?:[\t\n\r -~]\0){2}|(?:\0[\t\n\r -~]){2}")
 MNI = re.compile(rb"[Pp]\s+[-+.\deE]+\s+[-+.\deE]+\s+[-+.\deE]+\s")
-# How the other formats of ours begin, which files are sometimes named after.
+# The first bytes of the other formats; files sometimes have a name with the wrong ending.
 OTHERS = ((b"ply", ".ply"), (b"glTF", ".glb"), (b"solid ", ".stl"), (b"OFF", ".off"))
 TEXTS = (".obj", ".off")
 

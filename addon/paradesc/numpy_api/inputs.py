@@ -1,6 +1,6 @@
 """Turns arrays as users have them into the arrays that the library reads, or says in one sentence what is wrong.
 
-What is given is never changed. Numbers of any type, order of bytes and layout in memory are taken. Never imports bpy.
+The arrays are never changed. Numbers of any type, order of bytes and layout in memory are taken. Never imports bpy.
 """
 
 from itertools import chain

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..core.job import Results
 
 AnyMesh = TypeVar("AnyMesh")
-# What mends a mesh in Python, in place of the menus of Blender that sentences end with, by words of these.
+# Sentences about faults end with the remedy in Blender. These are the remedies in Python, by words of the sentences.
 IN_PYTHON = {
     "wound against each other": "trimesh.repair.fix_winding",
     "wound inwards": "faces[:, ::-1] of an array, or trimesh.repair.fix_inversion",

@@ -1,4 +1,4 @@
-"""What api.py and results work with. The first call imports it, so that `import paradesc` is quick."""
+"""The functions behind api.py and its results. The first call imports them, so that `import paradesc` is quick."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

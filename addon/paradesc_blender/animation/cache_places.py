@@ -1,4 +1,4 @@
-"""Says which frames of a scene are baked, and in which folders they lie."""
+"""Finds the frames of a scene that are baked, and their folders."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
 """Bakes frames of an animated object into files of a frame cache, for the animate command and the Bake Frames operator.
 
-prepare() needs Blender's main thread, run() runs on any.
+prepare() needs Blender's main thread, run() runs on any thread.
 """
 
 import time

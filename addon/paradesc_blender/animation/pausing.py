@@ -1,6 +1,6 @@
-"""Makes live values wait: while frames are evaluated for a bake, and while somebody is in the middle of a stroke.
+"""Makes live values wait while frames are evaluated for a bake, and during a stroke.
 
-Nobody sees values of frames that are baked, and they would be computed twice.
+Live values of frames that are baked are not seen, and would be computed twice.
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
-"""Keeps what live objects have from event to event, and brings their values up to date. Nothing here ever raises.
+"""Keeps the state of live objects between events, and updates their values. Nothing here ever raises.
 
-Between the frames of a render and the edits in a window, one thread at a time writes.
+The frames of a render and the edits in a window may come from two threads, of which one at a time writes.
 """
 
 import logging
@@ -55,8 +55,8 @@ def forget_all() -> None:
 def live_objects() -> list[bpy.types.Object]:
     """The objects with live values switched on; listed again when objects were added, removed or renamed.
 
-    Of objects that share a mesh, such as linked duplicates, only the first counts, as the mesh can hold one object's
-    values.
+    If objects share a mesh, such as linked duplicates, only the first counts, because the mesh can hold the values of
+    one object.
     """
     objects = bpy.data.objects
     found = [objects.get((name, None)) for name, _ in STATE.listed]

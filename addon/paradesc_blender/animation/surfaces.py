@@ -1,6 +1,6 @@
 """Reads the surface that live values measure, which is the one that a bake of the same source measures.
 
-Bakes evaluate a mesh for themselves. Here it is there already, in a view layer or a render, and may only be read.
+A bake evaluates a mesh itself. Here, a view layer or a render has already evaluated it, and it may only be read.
 """
 
 from collections.abc import Iterator

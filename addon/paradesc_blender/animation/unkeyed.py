@@ -1,7 +1,7 @@
-"""Keeps what somebody has changed without a key, where animated values are evaluated again at the same frame.
+"""Keeps changes without a key if animated values are evaluated again at the same frame.
 
-Blender evaluates animation at a new frame only, so that a pose or a setting without a key stays until then. Renders
-and exporters with live values make it happen earlier, in the windows, too: what was there is put back afterwards.
+Blender evaluates animation only at a new frame, so a pose or a setting without a key stays until then. Renders and
+exporters with live values cause an earlier evaluation, in the windows, too. Afterwards, this module restores the pose.
 """
 
 from collections.abc import Iterable, Iterator

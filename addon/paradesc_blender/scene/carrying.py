@@ -1,9 +1,10 @@
 """Carries values to the mesh that modifiers make, by a Geometry Nodes modifier of ours at the end of the stack.
 
-The values lie on a carrier, an object in no scene whose mesh is the one that was measured. The modifier stores them by
-the vertices' numbers while the other modifiers make as many. Else the values of the object's own vertices stay, as
-Blender mixes them, which is right in every pose; where modifiers lose own vertices, the carrier's nearest place counts.
-The modifier changes no position and no face, so what is measured is the same with and without it.
+The values are stored on a carrier: an object in no scene, whose mesh is the measured mesh. As long as the other
+modifiers make the same number of vertices, the modifier copies the carrier's values by the vertices' numbers. Otherwise
+the values of the object's own vertices stay, as Blender interpolates them, which is right in every pose. If modifiers
+remove own vertices, each vertex takes the value of the carrier's nearest place. The modifier changes no position and no
+face, so the measured surface is the same with and without it.
 """
 
 import hashlib

@@ -1,7 +1,8 @@
-"""Shows textures on meshes in solid viewports, drawn over whatever those show: nothing of the .blend changes for it.
+"""Shows textures on meshes in solid viewports, drawn over the viewports' own colors. The .blend file is not changed.
 
-Blender's own solid shading shows the active image of a material, into which its next bake or stroke goes as well: that
-choice stays the user's. This session alone knows what is shown, by names, which outlive an undo.
+Blender's own solid shading would show the active image of a material. Blender's next bake or stroke also goes into that
+image, so its choice is left to the user. Only this session stores which textures are shown, by names, which are valid
+after an undo, too.
 """
 
 import atexit

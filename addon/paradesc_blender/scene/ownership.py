@@ -1,9 +1,9 @@
-"""Tells what on a mesh is ours and as we left it; all else is the user's, and nothing replaces it.
+"""Finds out which data on a mesh are the add-on's and unchanged; all other data are the user's and are never replaced.
 
-An attribute or vertex group is ours if a bake, or a button that copies values, has made it. Its fingerprint, kept in a
-custom property of the mesh, tells whether somebody has painted or edited it since: then it is the user's. After a
-change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values
-while they change at every frame.
+An attribute or vertex group is the add-on's if a bake, or a button that copies values, has made it. A custom property
+of the mesh keeps its fingerprint, which shows whether somebody has painted or edited it since: then it is the user's.
+After a change of the faces, values cannot be compared, and the attribute stays the add-on's. Live values, which change
+at every frame, have no fingerprint and stay the add-on's, too.
 """
 
 import itertools

@@ -1,8 +1,8 @@
-"""Reads an object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes.
+"""Reads the measured mesh of an object: its own mesh, that mesh deformed by modifiers, or the result of all modifiers.
 
-Deforming modifiers keep the object's own vertices. For others, a temporary attribute tells which of them the evaluated
-mesh has: only vertices that come through unmixed still carry it. Our own modifier, which carries values to that mesh,
-changes nothing that is measured and does not count.
+Deforming modifiers keep the object's own vertices. For other modifiers, a temporary attribute shows which own vertices
+the evaluated mesh has: only vertices that were not interpolated keep its value. The add-on's own modifier, which
+carries values to that mesh, changes no position and no face, so it does not count.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Finds the meshes to bake from the selection, each once, with the obstacles to that; and reads them."""
+"""Finds the meshes to bake from the selection, each once, or the reasons why they cannot be baked; and reads them."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-/* paradesc.h - geometric descriptors of a UV-mapped triangle mesh, computed in its texture space. C99.
+/* paradesc.h - geometric descriptors of a triangle mesh at a radius: on the CPU, or in the texture space of its UV map. C99.
  *
  * The method is that of Andreadis, Papaioannou, Mavridis, "GPU Accelerated Computation of Geometric Descriptors in
  * Parametric Space"; "(n)" below is an equation of that paper.
@@ -29,15 +29,15 @@
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
- *   do) in pdesc_last_error() of the calling thread. Outputs are untouched on failure. Defects of a mesh that leave sound
- *   vertices are not errors: they are counted in pdesc_mesh_report, and the sound vertices get results.
+ *   do) in pdesc_last_error() of the calling thread. Outputs are untouched on failure. Faults of a part of a mesh are not
+ *   errors: they are counted in pdesc_mesh_report, and all other vertices get results.
  *
  * SAME INPUT, SAME RESULT
  *   One device always gives the same bits, whatever the number of threads and the split of the work into dispatches; so does
  *   REFERENCE on one machine, and CPU on any. Another device, or another version of its driver, rounds differently. On smooth
  *   surfaces, at the defaults of pdesc_options, CPU differs from REFERENCE by at most PDESC_PARITY_PERCENT of a descriptor's range
- *   over the mesh (areas: of their value) and PDESC_PARITY_DEGREES for directions, as means over vertices; GPU and SOFTWARE do if
- *   charts are wider than the radius, but for operators on a map.
+ *   over the mesh (areas: of their value) and PDESC_PARITY_DEGREES for directions, as means over vertices. The same bounds hold for
+ *   GPU and SOFTWARE if charts are wider than the radius, except for operators on a map.
  *
  * GROWTH
  *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
@@ -100,7 +100,7 @@ typedef enum pdesc_normals {
 typedef enum pdesc_creases {
   PDESC_CREASES_AUTO = 0,   /* marked edges between smooth faces, and edges that bend far more than the surface around them */
   PDESC_CREASES_MARKED = 1, /* marked edges alone */
-  PDESC_CREASES_NONE = 2    /* curvature as if there were none; normals still end at marked edges */
+  PDESC_CREASES_NONE = 2    /* curvature as without creases; normals are still not averaged across marked edges */
 } pdesc_creases;
 
 typedef enum pdesc_radius_unit {
@@ -110,8 +110,8 @@ typedef enum pdesc_radius_unit {
 } pdesc_radius_unit;
 
 typedef enum pdesc_relocation {
-  PDESC_RELOCATION_CONNECTED = 0, /* what is connected to the vertex within the ball, as CPU and REFERENCE find it; GPU and SOFTWARE
-                                     know nothing like it and compute with AFFINE */
+  PDESC_RELOCATION_CONNECTED = 0, /* the surface that is connected to the vertex within the ball, by CPU and REFERENCE; GPU and
+                                     SOFTWARE do not support this and compute with AFFINE */
   PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern is carried across seams by itself (paper 3.4, with the affine map of
                                      each seam edge in place of eq. 2 and 3) */
   PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, around the center
@@ -164,7 +164,7 @@ typedef enum pdesc_precision {
 
 /* Bits of a vertex' mask. */
 #define PDESC_MASK_NO_FACE 1u      /* no usable face at this vertex: NaN */
-#define PDESC_MASK_BOUNDARY 2u     /* the neighborhood is cut by a boundary of the mesh: the formulas take what is there */
+#define PDESC_MASK_BOUNDARY 2u     /* a boundary of the mesh cuts the neighborhood: the formulas use the part that exists */
 #define PDESC_MASK_LOW_COVERAGE 4u /* coverage below 0.9: part of the neighborhood was not found in the UV map */
 #define PDESC_MASK_NO_TEXEL 8u     /* the vertex has no place in the UV map (no area there): NaN */
 
@@ -258,13 +258,13 @@ typedef struct pdesc_mesh_report {
   int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
   int32_t zero_uv_area_triangles;   /* on the surface, but without texels: no area in the UV map, or a needle below 1e-7 of it */
   int32_t flipped_triangles;        /* their UV orientation is the one with less UV area */
-  int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: taken apart */
-  int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: taken apart */
+  int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: the surface is separated there */
+  int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: the surface is separated there */
   int32_t boundary_edges;           /* one face */
   int32_t charts;
-  int32_t seam_edges;               /* mesh edges whose two sides lie apart in the UV map */
+  int32_t seam_edges;               /* mesh edges whose two sides have different places in the UV map */
   int32_t self_seam_edges;          /* of those, within one chart */
-  int32_t unlinked_edges;           /* chart edges beside a triangle without UV area, across which nothing can be carried */
+  int32_t unlinked_edges;           /* chart edges beside a triangle without UV area, across which no sample can be carried */
   int32_t parts;                    /* connected components */
   int32_t uv_remapped;              /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
   float diagonal;                   /* of the bounding box of the vertices with a face */
@@ -315,7 +315,7 @@ typedef struct pdesc_options {
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used in texture space only; the paper: 1 */
   uint32_t seed;        /* of the places of samples; default 0. Used in texture space only */
-  int32_t seam_error;   /* must be 0: differences between the places of a vertex in the UV map are not computed any more */
+  int32_t seam_error;   /* has no effect and must be 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED, which GPU and SOFTWARE compute as AFFINE. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
   int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Used where samples are points: not by CPU and REFERENCE */
@@ -336,7 +336,7 @@ typedef struct pdesc_options {
   double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
   int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
                            some, AUTO only where this asks for them */
-  int32_t creases;      /* pdesc_creases; default AUTO. Where surface maps displace the surface they only end normals */
+  int32_t creases;      /* pdesc_creases; default AUTO. On a surface that maps displace, creases only separate normals */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);

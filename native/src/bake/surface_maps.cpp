@@ -175,7 +175,7 @@ SurfacePoint DisplacedSurface::at(int triangle, float a, float b) const {
 }
 
 // The largest factor by which lengths in the plane of the edges shrink: the inverse root of the smaller eigenvalue of the second
-// metric relative to the first.
+// metric relative to the first. Its 99th percentile is the paper's maximum expected distortion (section 3.4).
 static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   const dvec3 before(dot(a1, a1), dot(a1, a2), dot(a2, a2)), after(dot(b1, b1), dot(b1, b2), dot(b2, b2));
   const double determinant = before.x * before.z - before.y * before.y;

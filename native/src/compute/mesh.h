@@ -1,4 +1,4 @@
-// The caller's arrays → a mesh: its topology, its layout, and an engine's session for it.
+// The caller's arrays → a mesh: its topology, its layout, an engine's session for it, and the radius in its units.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ struct Mesh {
   std::vector<int32_t> normals_end_at;             // Creases::edges of the rings' version
   std::optional<NormalRings> rings;                // empty if no rings are kept
 
-  // For engines that do not follow surface maps.
+  // These stages serve engines that do not follow surface maps.
   Keyed<DivisionKey, DivisionPlan> division_plan;
   Keyed<DivisionPlan, Division> division; // may stay valid when positions change
   Keyed<std::tuple<uint64_t, std::array<uint64_t, 3>, int>, RefinedSurface>

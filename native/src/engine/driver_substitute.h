@@ -1,4 +1,4 @@
-// How tests make a driver fail.
+// Lets tests make a driver fail.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// One value per center → one value per vertex.
+// One value per center → one value per vertex. Texels have become points before, by sample/texels.cpp.
 #include "gather/field.h"
 
 #include <cmath>

@@ -5,27 +5,13 @@ namespace paradesc {
 BallFlood::BallFlood(const Triangles &triangles, const HalfEdges &half_edges)
     : triangles_(triangles), half_edges_(half_edges), mark_(static_cast<size_t>(triangles.triangle_count), 0) {}
 
-void BallFlood::start(dvec3 center) {
+void BallFlood::start_in_triangle(dvec3 center, int32_t triangle) {
   center_ = center;
   ++places_;
   reached_.clear();
   rim_.clear();
   looked_ = 0;
-}
-
-void BallFlood::start_in_triangle(dvec3 center, int32_t triangle) {
-  start(center);
   reach(triangle);
-}
-
-void BallFlood::start_at_point(dvec3 center, int32_t point) {
-  start(center);
-  const int32_t first = half_edges_.point_half_edge[point];
-  for (int32_t corner = first; corner >= 0;) {
-    reach(corner / 3);
-    corner = half_edges_.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
 }
 
 void BallFlood::reach(int32_t triangle) {

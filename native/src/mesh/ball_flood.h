@@ -26,15 +26,13 @@ class BallFlood {
 public:
   BallFlood(const Triangles &triangles, const HalfEdges &half_edges);
 
-  // Start a flood at a point of the mesh, or at a place within a triangle.
-  void start_at_point(dvec3 center, int32_t point);
+  // Starts a flood at a place within a triangle.
   void start_in_triangle(dvec3 center, int32_t triangle);
   // Continues the flood across edges that meet the larger ball, from where the flood of a smaller ball ended.
   void grow(double radius);
   const std::vector<int32_t> &triangles() const { return reached_; } // those of smaller balls first
 
 private:
-  void start(dvec3 center);
   void reach(int32_t triangle);
   void cross(int32_t half_edge, double radius);
 

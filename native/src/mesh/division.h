@@ -20,7 +20,7 @@ struct TriangleMeasure {
 };
 using MeasureTriangle = std::function<TriangleMeasure(int32_t triangle)>;
 
-// How edges are halved and triangles are cut, and the resulting counts. All of it follows from the mesh and the measure; a
+// The halvings of edges, the cuts of triangles, and the resulting counts. All of it follows from the mesh and the measure; a
 // different measure may well give the same plan.
 struct DivisionPlan {
   float coarsening = 1.0f;          // lengths are divided by it: above 1 where there would be too many pieces

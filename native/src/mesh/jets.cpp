@@ -9,7 +9,7 @@ namespace {
 
 constexpr int spare_neighbors = 2;             // needed in addition to the number of coefficients
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
-// As many of the fans as the processor computes with at once: compilers take wider vectors apart badly.
+// The number of fans that the processor computes at once. Compilers split wider vectors inefficiently.
 #if defined(__AVX512F__)
 constexpr int lane_count = 8;
 #elif defined(__AVX2__)

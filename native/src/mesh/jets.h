@@ -1,4 +1,5 @@
-// Heights of a fan's neighbors over its tangent plane → the gradient of a jet there, several fans at a time.
+// Heights of a fan's neighbors over its tangent plane → the gradient of a jet there, and the noise that it leaves, several fans
+// at a time.
 //
 // Jets: F. Cazals, M. Pouget, "Estimating differential quantities using polynomial fitting of osculating jets", 2003.
 #pragma once

@@ -32,7 +32,7 @@ constexpr int grid = 4096; // units along a side of the layout
 constexpr double evenness = 2.0; // limit on how far a chart's texel density may be from the others'. A face keeps more texels
                                  // than a foot; with equal densities, the small triangles of faces would fall between texels
 
-// How close charts may lie, in units; the narrower ones are for maps with very many charts.
+// The least distances between charts, in units; the narrower ones are for maps with very many charts.
 struct Spacing {
   int gutter;      // around each chart
   double smallest; // a chart's longer side: it must not fall between texels
@@ -45,7 +45,7 @@ constexpr Spacing spacings[] = {{6, 16.0}, {3, 8.0}, {2, 4.0}}; // three texels 
 constexpr int least_doublings = 2;
 constexpr double longest = 4.0;
 
-// How one chart moves: turned by an angle, its box's corner taken to the origin, then scaled and moved to `origin`.
+// The move of one chart: it is turned by an angle, the corner of its box is moved to 0, then it is scaled and moved to `origin`.
 struct Move {
   double cosine = 1.0, sine = 0.0;
   dvec2 low{0.0}, size{0.0};

@@ -23,7 +23,7 @@ Places weld(const Triangles &triangles);
 
 // Merges places at the ends of open half-edges that differ only by rounding: by 16 units in the last place of a float at the
 // largest coordinate among them (about the seventh decimal digit), and by at most a hundredth of the shortest edge at either
-// place, so that no edge shrinks to nothing. Whatever is closed stays as it is. Returns whether any were merged. left_out:
+// place, so that no edge shrinks to nothing. A closed surface stays as it is. Returns whether any were merged. left_out:
 // (triangle_count) 1 where a triangle takes no part.
 bool weld_rims(const Triangles &triangles, const std::vector<uint8_t> &left_out, std::span<const int32_t> open, Places &places);
 

@@ -1,4 +1,4 @@
-// A point of the surface at which values are wanted.
+// A point of the surface at which descriptors are evaluated.
 #pragma once
 
 #include <cstdint>

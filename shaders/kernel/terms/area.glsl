@@ -1,4 +1,5 @@
-// Terms of the geodesic area GA (paper eq. 11 to 14), and the Gaussian curvature that follows from GA.
+// Terms of the geodesic area GA (paper eq. 11 to 14), and the Gaussian curvature that follows from GA. The Euclidean area is
+// Moments::area of sums.glsl.
 
 // The rim of the neighborhood's projection to the tangent plane, |x|^2 = r^2 (1 - RIM_BEND (kappa r)^2).
 #if GEODESIC_BALL

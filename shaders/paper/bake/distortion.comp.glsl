@@ -1,6 +1,7 @@
 #version 450 core
 // E, F, G of a texel's triangle → stretch and angle (paper eq. 1): sigma_u, sigma_v, theta_e, area element. theta_e is the angle
-// from the u axis to the direction of the larger stretch: a right-singular vector of the Jacobian, in (u, v).
+// from the u axis to the direction of the larger stretch: a right-singular vector of the Jacobian, in (u, v). Only for reading the
+// buffer: samples take native/src/bake/distortion.cpp.
 #include "paper/bake/metric.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = UNIT_IDS) uniform isampler2D ids;

@@ -4,7 +4,7 @@ Usage: BLENDER_USER_SCRIPTS=FOLDER blender -b --factory-startup -P make.py -- AD
 
 ADDON is the folder `addon` of a built tree of that version, and VERSION names that version. The oldest supported
 Blender, 3.4, has to run it, because newer ones read what it saves. It uses only properties and operators, as people's
-files and scripts do. Where the method has changed since (addon/manual/values.md), OUT.npz beside OUT.zip has the values
+files and scripts do. If the method has changed since (addon/manual/values.md), OUT.npz beside OUT.zip has the values
 that today's gives for the same files; saved_test.py compares what is computed again with them.
 """
 

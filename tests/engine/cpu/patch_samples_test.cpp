@@ -129,8 +129,8 @@ TEST(PatchSamples, of_needles_are_as_many_as_lie_in_a_row) {
   }
 }
 
-// They turn by half a circle from the longest edge to the third corner, on however short pieces. What is counted on is what
-// memory is allowed for, and how much of a triangle is kept. Pieces of needles are halved until they fit, two of them side by
+// They turn by half a circle from the longest edge to the third corner, on however short pieces. The count sets how much
+// memory is allowed, and how much of a triangle is kept. Pieces of needles are halved until they fit, two of them side by
 // side.
 TEST(PatchSamples, of_slivers_whose_normals_turn_across_them_are_about_as_many_as_were_counted) {
   for (const float height : {1e-4f, 1e-3f, 1e-2f}) {

@@ -42,7 +42,7 @@ private:
   std::map<std::string, void *> replaced_;
 };
 
-// What the sentence says where no device of the tests' kind is left.
+// The words of the error if no device of the tests' kind is left.
 inline const char *no_device() { return on_card() ? "No hardware OpenGL 4.5 device" : "No software OpenGL 4.5 device"; }
 
 inline std::shared_ptr<paradesc::Context> open_device(const DriverSubstitute &driver) {

@@ -56,7 +56,7 @@ TEST(HalfRounding, knows_what_is_too_large_and_too_small_for_a_half) {
   EXPECT_TRUE(std::isnan(nearest(std::numeric_limits<float>::quiet_NaN())));
 }
 
-// What rounding takes from a position or a normal comes back to a part of 2^-16 and 2^-18.
+// The code of the rest restores a rounded position to a part of 2^-16 and a rounded normal to a part of 2^-18.
 TEST(HalfRounding, leaves_a_rest_that_codes_hold) {
   half_floats::Text text;
   for (int i = -1000; i <= 1000; ++i) {

@@ -47,7 +47,7 @@ std::map<std::string, Program> read(const std::filesystem::path &folder) {
   return programs;
 }
 
-// What a command prints, and its exit status.
+// Returns the output of a command and its exit status.
 std::pair<std::string, int> output_of(const std::string &command) {
   std::string output;
   FILE *pipe = popen((command + " 2>&1").c_str(), "r");
@@ -57,7 +57,7 @@ std::pair<std::string, int> output_of(const std::string &command) {
   return {output, pclose(pipe)};
 }
 
-// What Khronos' compiler says to all recorded texts.
+// Returns the output of Khronos' compiler for all recorded texts, and its exit status.
 std::pair<std::string, int> output_of_validator(const std::string &words) {
   const auto folder = std::filesystem::temp_directory_path() / ("paradesc_texts_" + std::to_string(getpid()));
   write(recording.programs, folder);

@@ -154,7 +154,7 @@ void multiply(std::vector<Variant> &all, Value Owner::*member, const std::vector
   all.swap(product);
 }
 
-// What is computed together where everything is asked for.
+// Returns the rows of each pass if every descriptor is asked for.
 inline std::vector<std::vector<int>> rows_of_passes() {
   std::vector<int> every_row;
   for (int row = 0; row < pdesc_descriptor_count(); ++row) every_row.push_back(row);

@@ -63,7 +63,7 @@ protected:
     }
     return bounded && tells;
   }
-  // Of this process; another one may compute beside it.
+  // Returns the hidden window of this process; another process may compute beside it.
   static HWND hidden_window() {
     HWND window = nullptr;
     while ((window = FindWindowExW(nullptr, window, L"paradesc", nullptr)) != nullptr) {

@@ -1,5 +1,5 @@
-// Flamenco job type: every asset of a folder into results and rows of their own, then one list of all. What is there is
-// kept, so tasks may be repeated. Plain ECMAScript 5.
+// Flamenco job type: every asset of a folder into results and rows of their own, then one list of all. Existing results
+// are kept, so tasks may be repeated. Plain ECMAScript 5.
 
 var JOB_TYPE = {
     label: "Paradesc: Library",

@@ -294,8 +294,8 @@ inline void add_patches(const PatchArrays &surface, const CenterLanes &centers, 
         lists.wholes.centers[lists.wholes.count++] = near.whole[k] & ~within;
       }
     }
-    const int32_t node = patch / group_lanes;
-    const bool last = i + 1 == near.patches || near.patch[i + 1].patch / group_lanes != node || surface.apart[node] != 0;
+    const int32_t batch = patch / group_lanes;
+    const bool last = i + 1 == near.patches || near.patch[i + 1].patch / group_lanes != batch || surface.apart[batch] != 0;
     if (!last) continue;
     sort_triangles(lists);
     add_wholes(surface, centers, patch, lists.wholes, to);

@@ -39,8 +39,8 @@ struct SphereList {
   int32_t count; // without the padding
 };
 
-// A surface in the order of its patches, at one time; see PatchSurface. A node is a group of sixteen patches. If the node's
-// middle is near its patches, it is the origin of their moments; else each patch has an origin of its own.
+// A surface in the order of its patches, at one time; see PatchSurface. Sixteen patches are a batch. If the batch's middle is
+// near its patches, it is the origin of their moments; else each patch has an origin of its own.
 struct PatchArrays {
   const int32_t *patch_begin, *triangle_begin, *corner, *cluster_begin, *cluster_node; // as in PointPatches
   const float *position[3]; // of nodes: points, or the means of clusters
@@ -52,10 +52,10 @@ struct PatchArrays {
   float *sphere[4];         // (patches) bounding spheres of all triangles: middle and reach
   float *own_reach;         // (patches) reach of the patch's own nodes
   float *origin[3];         // (patches)
-  uint8_t *apart;           // (nodes) 1: each of its patches has an origin of its own
+  uint8_t *apart;           // (batches) 1: each of its patches has an origin of its own
   uint8_t *has_long_edge;   // (patches) 1: some triangle has an edge of at least the length `large`
   uint8_t *has_listed;      // (patches) 1: some triangle has neither moments nor a part at the rim, and must be summed by itself
-  SphereList levels[3];     // spheres of patches, of nodes, and of sixteen nodes
+  SphereList levels[3];     // spheres of patches, of batches, and of sixteen batches
   int32_t patches, triangles;
   float large; // triangles with such long edges are summed by themselves, and smaller ones where normals turn
 
@@ -124,10 +124,10 @@ struct SphereSets {
 // The functions of one instruction set.
 struct BallTarget {
   const char *name;
-  // Updates the spheres of one node, or also its moments and what the rim needs. normals: at the corners of its triangles,
+  // Updates the spheres of one batch, or also its moments and what the rim needs. normals: at the corners of its triangles,
   // (triangles, 3, 3).
-  void (*refit_spheres)(const PatchArrays &surface, int32_t node);
-  void (*refit)(const PatchArrays &surface, int32_t node, const float *normals);
+  void (*refit_spheres)(const PatchArrays &surface, int32_t batch);
+  void (*refit)(const PatchArrays &surface, int32_t batch, const float *normals);
   // Lists the patches near the centers, in their order, and returns their number.
   int32_t (*find)(const PatchArrays &surface, const CenterLanes &centers, NearPatch *patches);
   // Completes the list, and leaves out patches that no ball meets.

@@ -32,7 +32,7 @@ struct PatchSamples {
   std::vector<int32_t> first; // (items + 1) into list; no samples of an item that is divided
   SampleList list;
 
-  // Whether each group of centers divides this item's triangle, which is very large.
+  // Returns whether each group of centers divides this item's triangle, which is very large.
   bool is_divided(int32_t k) const { return first[k] == first[k + 1]; }
 };
 

@@ -10,7 +10,7 @@
 
 namespace paradesc {
 
-static constexpr int points_of_block = 4096, nodes_of_block = 4;
+static constexpr int points_of_block = 4096, batches_of_block = 4;
 
 static int32_t spheres_above(int32_t count) { return (count + group_lanes - 1) / group_lanes; }
 
@@ -125,10 +125,10 @@ void PatchSurface::place_nodes(const PointPatches &patches, const Mesh &mesh, in
   });
 }
 
-// Writes the moments of a node's clusters about the origins of their patches, and adds them to those of the patches.
-void PatchSurface::add_cluster_rows(const PointPatches &patches, int32_t node) {
-  const int32_t last = std::min((node + 1) * group_lanes, patches.patches());
-  for (int32_t patch = node * group_lanes; patch < last; ++patch)
+// Writes the moments of a batch's clusters about the origins of their patches, and adds them to those of the patches.
+void PatchSurface::add_cluster_rows(const PointPatches &patches, int32_t batch) {
+  const int32_t last = std::min((batch + 1) * group_lanes, patches.patches());
+  for (int32_t patch = batch * group_lanes; patch < last; ++patch)
     for (int32_t i = patches.cluster_begin[patch]; i < patches.cluster_begin[patch + 1]; ++i) {
       const Cluster &cluster = cluster_[i];
       const vec3 x = cluster.position - vec3(origin_[0][patch], origin_[1][patch], origin_[2][patch]);
@@ -185,16 +185,16 @@ void PatchSurface::refit(const PointPatches &patches, const Mesh &mesh, const Ba
   place_rims(patches, mesh);
   place_nodes(patches, mesh, threads);
   const auto square_of_scale = static_cast<float>(mesh.space.scale * mesh.space.scale);
-  parallel_blocks(spheres_above(patches.patches()), threads, nodes_of_block, [&](int begin, int end) {
+  parallel_blocks(spheres_above(patches.patches()), threads, batches_of_block, [&](int begin, int end) {
     std::vector<float> of_corners;
-    for (int32_t node = begin; node < end; ++node) {
+    for (int32_t batch = begin; batch < end; ++batch) {
       if (!needs.sums) {
-        target.refit_spheres(arrays_, node);
+        target.refit_spheres(arrays_, batch);
         continue;
       }
-      const int32_t last = std::min((node + 1) * group_lanes, patches.patches());
+      const int32_t last = std::min((batch + 1) * group_lanes, patches.patches());
       of_corners.clear();
-      for (int32_t i = patches.triangle_begin[node * group_lanes]; i < patches.triangle_begin[last]; ++i) {
+      for (int32_t i = patches.triangle_begin[batch * group_lanes]; i < patches.triangle_begin[last]; ++i) {
         const int32_t triangle = patches.triangle[i];
         noise_[i] = needs.noise ? square_of_scale * mesh.normals.noise_of(triangle) : 0.0f;
         for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
@@ -202,8 +202,8 @@ void PatchSurface::refit(const PointPatches &patches, const Mesh &mesh, const Ba
           of_corners.insert(of_corners.end(), {normal.x, normal.y, normal.z});
         }
       }
-      target.refit(arrays_, node, of_corners.data());
-      add_cluster_rows(patches, node);
+      target.refit(arrays_, batch, of_corners.data());
+      add_cluster_rows(patches, batch);
     }
   });
   for (int level = 0; level < 2; ++level) join_spheres(level, threads);

@@ -40,7 +40,7 @@ private:
   void sum_clusters(const PointPatches &patches, const Mesh &mesh, const Needs &needs, int threads);
   void place_rims(const PointPatches &patches, const Mesh &mesh);
   void place_nodes(const PointPatches &patches, const Mesh &mesh, int threads);
-  void add_cluster_rows(const PointPatches &patches, int32_t node);
+  void add_cluster_rows(const PointPatches &patches, int32_t batch);
   void join_spheres(int level, int threads);
 
   PatchArrays arrays_{};

@@ -1,4 +1,4 @@
-// The current corners of a node's triangles → bounding spheres of its patches, moments of the triangles, and the data that the
+// The current corners of a batch's triangles → bounding spheres of its patches, moments of the triangles, and the data that the
 // rim needs. It is compiled for each instruction set, as KERNEL_TARGET.
 #pragma once
 
@@ -239,7 +239,7 @@ inline void refit_triangles(const PatchArrays &surface, int32_t patch, const flo
   surface.moment[surface.row_of_patch(patch)] = of_patch;
 }
 
-// Moments about a distant origin lose digits. The node's common origin is used if the patches extend over few patch sizes.
+// Moments about a distant origin lose digits. The batch's common origin is used if the patches extend over few patch sizes.
 inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last) {
   constexpr float near = 8.0f;
   float largest = 0.0f, square = 0.0f, middle[3];
@@ -256,8 +256,8 @@ inline void find_origins(const PatchArrays &surface, int32_t first, int32_t last
     for (int axis = 0; axis < 3; ++axis) surface.origin[axis][patch] = apart ? surface.sphere[axis][patch] : middle[axis];
 }
 
-inline void refit_spheres(const PatchArrays &surface, int32_t node) {
-  const int32_t first = group_lanes * node, last = std::min(first + group_lanes, surface.patches);
+inline void refit_spheres(const PatchArrays &surface, int32_t batch) {
+  const int32_t first = group_lanes * batch, last = std::min(first + group_lanes, surface.patches);
   for (int32_t patch = first; patch < last; ++patch) {
     float middle[3];
     find_middle(surface, patch, middle);
@@ -266,9 +266,9 @@ inline void refit_spheres(const PatchArrays &surface, int32_t node) {
   }
 }
 
-inline void refit(const PatchArrays &surface, int32_t node, const float *normals) {
-  refit_spheres(surface, node);
-  const int32_t first = group_lanes * node, last = std::min(first + group_lanes, surface.patches);
+inline void refit(const PatchArrays &surface, int32_t batch, const float *normals) {
+  refit_spheres(surface, batch);
+  const int32_t first = group_lanes * batch, last = std::min(first + group_lanes, surface.patches);
   find_origins(surface, first, last);
   for (int32_t patch = first; patch < last; ++patch)
     refit_triangles(surface, patch, normals + 9 * (surface.triangle_begin[patch] - surface.triangle_begin[first]));

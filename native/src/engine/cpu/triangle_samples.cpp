@@ -77,7 +77,7 @@ struct Piece {
   Place corner[3];
 };
 
-// Halves pieces at their longest edges, which keeps them compact. For needles that would create far more pieces than fit side by
+// Halves pieces at their longest edges, which keeps them compact. Halved needles would make far more pieces than fit side by
 // side, so needles are cut crosswise first.
 class Divider {
 public:

@@ -1,5 +1,5 @@
 // Values that an engine computed as if the surface were smooth → values that are valid near creases, where curvature is the
-// solid's.
+// solid's. SolidMeasure's weight is the solid's share.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,6 @@
-// Chart borders → the texel grid that cells and marches read: which border edges pass through each texel, and how far a texel is
-// from the nearest of them. Depends on the layout alone, so it is made once per topology and buffer size.
+// Chart borders → the texel grid that marches read, with seam_links the paper's adjacency buffer (section 3.3): which border
+// edges pass through each texel, and how far a texel is from the nearest of them. Depends on the layout alone, so it is made once
+// per topology and buffer size.
 #pragma once
 
 #include <cstdint>
