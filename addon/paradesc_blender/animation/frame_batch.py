@@ -111,11 +111,6 @@ class FrameBatch(Pieces):
         if scene is not None:
             scene.frame_set(frame, subframe=part)
 
-    @property
-    def written(self) -> list[ObjectFrames]:
-        """The objects whose frames are there."""
-        return [piece for piece in self.pieces if not piece.failure]
-
     def hold_ranges(self) -> None:
         """Stores color ranges that span all baked frames of all objects, for live and played objects of the scene."""
         scene = bpy.data.scenes.get(self.scene_name)

@@ -71,10 +71,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Whether the operator can run; the button's tooltip says why not."""
-        sentence = "" if sessions.live_objects() else "Switch an object to Live first"
-        if sentence:
-            cls.poll_message_set(translation.tooltip(sentence))
-        return not sentence
+        return translation.can_run(cls, "" if sessions.live_objects() else "Switch an object to Live first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Replaces the stored ranges by those of the present values."""

@@ -10,12 +10,12 @@ import bpy
 
 from paradesc.core import job, transfer
 from paradesc.core.color_maps import MASKS
-from paradesc.files import image_files, marks
+from paradesc.files import file_names, image_files, marks
 from paradesc.files.results import file_fault, write_whole
 
 from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
-from .pieces import ObjectKey, Piece, Pieces, Work, computed, file_word, find, key_of
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
 # The native library's warning contains these words if it computed on another layout than the UV map.
 LAID_OUT = "laid out afresh"
@@ -36,10 +36,6 @@ class TextureBake(Piece):
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
-
-    def drop(self) -> None:
-        """Forgets the textures."""
-        self.textures = self.computed = None
 
     def result(self, size: int) -> image_results.ImageBake:
         """The record of the bake that the mesh keeps, made once its images are loaded."""
@@ -83,7 +79,7 @@ class ImageBatch(Pieces):
         self.cage = group.cage
         super().__init__(paired(context) if onto else alone(context))
         for piece in self.pieces:
-            piece.stem = file_word(piece.name)
+            piece.stem = file_names.cut(bpy.path.clean_name(piece.name))  # two objects may get the same
         # With one scale for several meshes none is drawn before all are computed.
         self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
         self.round = 1
@@ -101,16 +97,6 @@ class ImageBatch(Pieces):
             self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, measured))
             self.round, self.current = self.rounds, 0
             yield from super().work()
-
-    @property
-    def written(self) -> list[TextureBake]:
-        """The meshes whose textures are in place."""
-        return [piece for piece in self.pieces if piece.textures is not None]
-
-    @property
-    def seconds(self) -> float:
-        """The seconds that the work has lasted."""
-        return time.monotonic() - self.started
 
     def work_on(self, piece: TextureBake) -> Work:
         """Reads a mesh and computes its textures, or draws those that were computed in the first round."""
@@ -133,7 +119,7 @@ class ImageBatch(Pieces):
 
     def measuring(self, piece: TextureBake) -> Callable[..., object]:
         """Reads a mesh; returns the work that measures it."""
-        target = piece.target()
+        target = find(piece.key)
         if self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
             if fault:
@@ -159,20 +145,16 @@ class ImageBatch(Pieces):
         return partial(run, piece.stem, low, highs, self.settings, self.choice, self.cage)
 
     def close(self) -> None:
-        """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
+        """Cancels the remaining work, waits for it, and removes new UV maps that no image uses. Safe to call again."""
         super().close()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
                 with self.attempt(piece):
-                    self.take_map_away(piece)
+                    target, name = find(piece.key), piece.over.name
+                    kept = (other for other in self.pieces if other.images and other.over.name == name)
+                    if all(find(other.key).data != target.data for other in kept):
+                        uv_maps.remove(target, name)
                 piece.over = None
-
-    def take_map_away(self, piece: TextureBake) -> None:
-        """Removes the UV map that was made for a mesh, unless finished images of another object with it use the map."""
-        target, name = piece.target(), piece.over.name
-        kept = (other for other in self.pieces if other.images and other.over.name == name)
-        if all(other.target().data != target.data for other in kept):
-            uv_maps.remove(target, name)
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
@@ -184,7 +166,7 @@ class ImageBatch(Pieces):
 
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
-        target = piece.target()
+        target = find(piece.key)
         made = piece.textures.by_name()
         piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
         if self.to_material:

@@ -145,10 +145,7 @@ class NeedsBake:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the operator can run; the button's tooltip says why not."""
-        sentence = obstacle(context)
-        if sentence:
-            cls.poll_message_set(translation.tooltip(sentence))
-        return not sentence
+        return translation.can_run(cls, obstacle(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode, where attributes can be read and written."""

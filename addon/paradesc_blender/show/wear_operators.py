@@ -10,7 +10,7 @@ from ..bake.batch import Batch, MeshBake
 from ..bake.image_batch import ImageBatch
 from ..bake.modal import ModalJob
 from ..bake.operators import keep_for_undo
-from ..bake.pieces import ObjectKey, Pieces, Steps, Work, failures, find, report_all
+from ..bake.pieces import ObjectKey, Pieces, Work, failures, find, report_all
 from ..scene import mesh_io, modes, targets, viewports
 from ..settings import translation
 from ..settings.snapshot import Snapshot
@@ -41,12 +41,12 @@ class ImageMasks(ImageBatch):
         self.choice = replace(self.choice, look=mask_look(self.choice.look))
 
 
-class WearJob(Steps):
+class WearJob(Pieces):
     """Bakes the masks of all chosen objects: one batch as vertex colors, one as images."""
 
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes settings and selection. The panel's settings are changed for it only temporarily."""
-        super().__init__()
+        super().__init__([])
         group, before = context.scene.paradesc, Snapshot(context.scene)
         chosen, source = targets.chosen(context), context.scene.paradesc_animation.source
         coarse = [target for target in chosen if wear.needs_image(target, source)]
@@ -135,7 +135,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         lost, worn = [], []
         for batch in self.job.batches:
             self.finish_batch(context, batch, worn)
-            report_all(self.report, batch, batch.written)
+            report_all(self.report, batch)
             lost += failures(batch)
         for sentence in lost:
             self.report({"WARNING" if worn else "ERROR"}, sentence)
@@ -178,9 +178,7 @@ class PARADESC_OT_remove_wear(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a material with wear."""
         there = any(wear.wears(target) for target in targets.chosen(context))
-        if not there:
-            cls.poll_message_set(translation.tooltip("No material of the selected objects has wear"))
-        return there
+        return translation.can_run(cls, "" if there else "No material of the selected objects has wear")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Removes wear from the materials of all chosen objects."""

@@ -7,7 +7,8 @@ from paradesc.core import advice, choices, spaces
 
 from ..animation import handlers
 from ..bake import sculpt_mask
-from ..bake.modal import ModalJob, Steps, progress_text
+from ..bake.modal import ModalJob, progress_text
+from ..bake.pieces import Pieces
 from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
@@ -162,7 +163,7 @@ def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> Non
     row.operator("paradesc.reset_research")
 
 
-def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
+def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Pieces) -> None:
     """Draws the progress as a property, because Blender 4 keeps drawing its own bar in place of later ones."""
     layout.prop(context.window_manager, "paradesc_progress", text="", slider=True)
     sentence_lines(context, layout, progress_text(running), "SORTTIME")
