@@ -104,12 +104,12 @@ def test_masks_are_grey_and_values_with_a_sign_have_two_colors(name):
 
 def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     group = bpy.context.scene.paradesc
-    assert presets.chosen_masks(group) == ["cavity", "edge_wear"]  # of a new scene
+    assert presets.masks_of(group.descriptors) == ["cavity", "edge_wear"]  # of a new scene
     for name in presets.MASKS:
-        presets.apply(group, name)
-        assert presets.chosen_masks(group) == [name]
+        bpy.ops.paradesc.preset(name=name)
+        assert presets.masks_of(group.descriptors) == [name]
     group.descriptors = {"cavity", "shape_index"}
-    assert presets.chosen_masks(group) == []
+    assert presets.masks_of(group.descriptors) == []
 
 
 def test_shift_bakes_several_masks_and_one_stays():
@@ -121,7 +121,7 @@ def test_shift_bakes_several_masks_and_one_stays():
         (True, "cavity", ["cavity"]),
     ):
         bpy.ops.paradesc.mask(name=name, extend=extend)
-        assert presets.chosen_masks(group) == expected
+        assert presets.masks_of(group.descriptors) == expected
 
 
 def test_the_operator_takes_a_mask_and_a_radius_of_its_own():

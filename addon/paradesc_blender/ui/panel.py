@@ -63,7 +63,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws one button for each mask, pressed if chosen. Other choices under Analysis are listed in a line."""
-    chosen = presets.chosen_masks(settings)
+    chosen = presets.masks_of(settings.descriptors)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
         text, icon = label(presets.PRESETS[name].label), MASK_ICONS[name]
@@ -100,7 +100,7 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws the bake buttons, with the one that suits the meshes first, and beside it the switch of live values."""
     chosen = targets.chosen(context)
-    text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
+    text = button_text(len(targets.by_mesh(chosen)), presets.masks_of(settings.descriptors))
     buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
     if large_faces.of_chosen(context):
         sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
