@@ -17,7 +17,8 @@ from live_values import (  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
+from paradesc_blender.animation import frame_batch, handlers, live, pausing  # noqa: E402
+from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from paradesc_blender.settings import looks  # noqa: E402
 from scene import add_sphere, fingerprint  # noqa: E402
 
@@ -42,14 +43,14 @@ def pair(tmp_path):
 
 def folders(pair):
     """The folders of the frames of both."""
-    return [cache_places.object_cache(bpy.context.scene, item) for item in pair]
+    return [animation_settings.object_cache(bpy.context.scene, item) for item in pair]
 
 
 def batch(beside=True):
     """Begins a bake of frames as the operator does."""
     scene = bpy.context.scene
     return frame_batch.FrameBatch(
-        bpy.context, cache_places.wanted_frames(scene), cache_places.cache_root(scene), beside
+        bpy.context, animation_settings.wanted_frames(scene), animation_settings.cache_root(scene), beside
     )
 
 

@@ -18,9 +18,10 @@ sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 import deforming  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import cache_places, handlers, live, pausing  # noqa: E402
+from paradesc_blender.animation import handlers, live, pausing  # noqa: E402
 from paradesc_blender.bake import modal  # noqa: E402
 from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, baking, begin, prepare, say, view_context, wait_for  # noqa: E402
 
@@ -161,7 +162,7 @@ def bake_steps() -> Iterator[None]:
     scene.frame_set(2)
     compute = live.Session.compute
     live.Session.compute = lambda *words: (computed.append(1), compute(*words))[1]
-    folder = cache_places.object_cache(scene, target())
+    folder = animation_settings.object_cache(scene, target())
     yield from cancel_frames(folder)
     start_frames()
     yield from wait_for(lambda: len(cache.frames_in(folder)) == 3 and not pausing.is_held())

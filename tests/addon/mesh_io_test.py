@@ -10,7 +10,7 @@ from shapes import cube_sphere
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
-from paradesc.bridge import ParadescError  # noqa: E402
+from paradesc.bridge import InputError, ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc_blender.scene import mesh_io, record  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
@@ -248,7 +248,7 @@ def test_a_failure_takes_back_what_was_made(sphere_object, monkeypatch):
     def fail_at_the_third(mesh, name):
         made.append(name)
         if len(made) == 3:
-            raise mesh_io.refuse("No.")
+            raise InputError("No.")
         return make(mesh, name)
 
     monkeypatch.setattr(mesh_io, "make_attribute", fail_at_the_third)

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import job
 from paradesc.files import cache
 
 from ..bake.pieces import Piece, Pieces, Work, computed, key_of, stage_words
 from ..scene import surface_maps, targets
-from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from ..settings.animation import frame_source
 from ..settings.translation import label
@@ -81,9 +81,9 @@ class FrameBatch(Pieces):
         """Opens an object and bakes its frames."""
         target, scene = bpy.data.objects.get(piece.key), bpy.data.scenes.get(self.scene_name)
         if target is None or target.type != "MESH" or scene is None:
-            raise refuse(f'The object "{piece.name}" is gone; it has no frames.')
+            raise InputError(f'The object "{piece.name}" is gone; it has no frames.')
         if piece.failure:
-            raise refuse(piece.failure)
+            raise InputError(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
         source = frames.source_of(target, frame_source(scene.paradesc_animation))
         request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)

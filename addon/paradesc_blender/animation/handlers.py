@@ -6,7 +6,6 @@ locked.
 """
 
 import time
-from collections.abc import Iterator
 
 import bpy
 from bpy.app.handlers import persistent
@@ -101,7 +100,10 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
         lock_interface(scene, needed=False)  # the last one was deleted
     if not targets or depsgraph is None or is_ours():
         return
-    hit = list(edited_objects(targets, depsgraph))
+    touched = {update.id.original for update in depsgraph.updates}
+    changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
+    # Strokes of sculpt mode only tag the object as updated.
+    hit = [item for item in targets if {item, item.data} & (touched if item.mode == "SCULPT" else changed)]
     if not hit and not settings_changed(targets, scene, depsgraph):
         return
     for target in hit:
@@ -114,15 +116,6 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
             session.edited = True
     STATE.edited_at = time.monotonic()
     start_timer(follow_edits, delay_of(targets))
-
-
-def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """The objects whose geometry the depsgraph has evaluated again. Sculpt strokes only tag the object as updated."""
-    touched = {update.id.original for update in depsgraph.updates}
-    changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
-    for target in targets:
-        if {target, target.data} & (touched if target.mode == "SCULPT" else changed):
-            yield target
 
 
 def settings_changed(

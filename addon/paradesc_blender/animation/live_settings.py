@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import carried, handlers, painting, sessions
+from . import handlers, painting, sessions
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -20,7 +20,6 @@ def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) ->
     handlers.mode_changed(group.id_data)
     if group.mode == "OFF":
         painting.leave(group.id_data)
-        carried.leave(group.id_data)
 
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:

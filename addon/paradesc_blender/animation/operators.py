@@ -7,8 +7,8 @@ from paradesc import bridge
 from ..bake.modal import ModalJob
 from ..scene import targets
 from ..settings import translation
+from ..settings.animation import cache_root, wanted_frames
 from . import sessions
-from .cache_places import cache_root, wanted_frames
 from .frame_batch import FrameBatch
 
 # In these modes the mesh is that of the object.

@@ -74,10 +74,6 @@ class Painter:
             seen = {name: mesh_io.extremes(*surface, values.shown[name], shown) for name, shown in self.ranges.items()}
             mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
 
-    def is_there(self, mesh: bpy.types.Mesh) -> bool:
-        """Whether the mesh still has all attributes that were written."""
-        return has_all(mesh, self.written)
-
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the attributes still hold what was written, without an undo or another change since."""
         for name, values in self.written.items():
@@ -123,24 +119,29 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
 
 
 def leave(target: bpy.types.Object) -> None:
-    """Keeps fingerprints of values that no longer change."""
-    mesh = target.data
-    if target.type == "MESH" and mesh.library is None and not mesh.is_editmode:
-        known = ownership.fingerprints(mesh)
-        ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
+    """Keeps fingerprints of values that no longer change, on the object's mesh and on its carrier's."""
+    if target.type != "MESH":
+        return
+    for mesh in (target.data, carrying.carrier_of(target)):
+        if mesh is not None and mesh.library is None and not mesh.is_editmode:
+            known = ownership.fingerprints(mesh)
+            ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
 
 
 def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Makes Blender evaluate the object's mesh again with its new attributes, and in this depsgraph the animation, too.
 
-    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. In a render or an
-    exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the animation
-    makes it, in the depsgraphs of all windows as well.
+    The depsgraph's copies of the mesh, its shape keys and its objects are made afresh from the originals. In a render
+    or an exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the
+    animation makes it, in the depsgraphs of all windows as well.
     """
     target.data.update()
     if depsgraph is None or is_of_view_layer(depsgraph):
         return
-    animated = [item for item in copied_with_mesh(target) if item.animation_data is not None]
+    mesh = target.data
+    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
+    copied = filter(None, (mesh, mesh.shape_keys, *objects))
+    animated = [item for item in copied if item.animation_data is not None]
     unkeyed.keep(animated)
     for datablock in animated:
         datablock.animation_data.action_influence = datablock.animation_data.action_influence
@@ -149,13 +150,6 @@ def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None 
 def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
     """Whether this is a view layer's own depsgraph, whose evaluation gives the originals their animated values."""
     return depsgraph.view_layer.depsgraph == depsgraph
-
-
-def copied_with_mesh(target: bpy.types.Object) -> list[bpy.types.ID]:
-    """The datablocks that Blender copies together with a mesh: itself, its shape keys and all objects that use it."""
-    mesh = target.data
-    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
-    return [mesh, *([] if mesh.shape_keys is None else [mesh.shape_keys]), *objects]
 
 
 # ---- Colors
@@ -172,15 +166,15 @@ def locked_ranges(
     if look.ranges:
         return {name: found(name, look) for name in names}
     follow_look(group, look)
-    stored = {item.name: (item.minimum, item.maximum) for item in group.ranges}
-    ranges = {}
+    stored, ranges = {item.name: item for item in group.ranges}, {}
     for name in names:
-        if name not in stored:
+        item = stored.get(name)
+        if item is None:
             shown = found(name, look)
             item = add_range(group, name, shown.minimum, shown.maximum)
-            stored[name] = (item.minimum, item.maximum)
-        low, high = stored[name]
-        ranges[name] = found(name, replace(look, ranges={"": (low, max(high, above(low)))}))
+        low = item.minimum
+        above = float(np.nextafter(np.float32(low), np.float32(np.inf)))  # so that a range is never empty
+        ranges[name] = found(name, replace(look, ranges={"": (low, max(item.maximum, above))}))
     return ranges
 
 
@@ -241,11 +235,6 @@ def add_range(group: bpy.types.PropertyGroup, name: str, minimum: float, maximum
     item = group.ranges.add()
     item.name, item.minimum, item.maximum = name, minimum, maximum
     return item
-
-
-def above(value: float) -> float:
-    """The next larger 32-bit float, so that a range is never empty."""
-    return float(np.nextafter(np.float32(value), np.float32(np.inf)))
 
 
 def color_table(shown: ValueRange) -> np.ndarray:

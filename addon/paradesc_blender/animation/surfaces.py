@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays
+from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.job import Settings, needs_uvs
 
 from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
-from ..scene.mesh_io import refuse
 from ..settings.snapshot import identity
 
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
@@ -113,7 +112,7 @@ def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tu
 
 def lost(target: bpy.types.Object) -> Exception:
     """The error for modifiers that take vertices away."""
-    return refuse(f'The modifiers of "{target.name}" take vertices away, which Live needs: bake instead.')
+    return InputError(f'The modifiers of "{target.name}" take vertices away, which Live needs: bake instead.')
 
 
 def appends(target: bpy.types.Object, count: int, found: int, rendering: bool) -> bool:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import job, transfer
 from paradesc.core.color_maps import MASKS
 from paradesc.files import file_names, image_files, marks
 from paradesc.files.results import file_fault, write_whole
 
-from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
+from ..scene import image_nodes, image_places, image_results, images, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
 from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
@@ -123,7 +124,7 @@ class ImageBatch(Pieces):
         if self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
             if fault:
-                raise mesh_io.refuse(fault)
+                raise InputError(fault)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
         read, piece.over = uv_maps.read_over(target, self.settings, own)
         piece.told = [piece.over.note] if piece.over.note else []

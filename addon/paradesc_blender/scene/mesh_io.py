@@ -17,11 +17,6 @@ from .arrays import read_array, read_corner_vertices, set_values
 Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
 
 
-def refuse(sentence: str) -> InputError:
-    """The error for a mesh that cannot be read or written."""
-    return InputError(sentence)
-
-
 def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
     """The object's own mesh (before modifiers), in object space; in edit mode as edited so far.
 
@@ -41,7 +36,7 @@ def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool 
 def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name: str) -> MeshArrays:
     """Reads a mesh's triangles as arrays; the mesh stays as it is."""
     if len(mesh.polygons) == 0:
-        raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
+        raise InputError(f'The mesh "{name}" has no faces; there is no surface to measure.')
     arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
@@ -158,9 +153,9 @@ def check_writable(target: bpy.types.Object) -> None:
     """Raises if the object's mesh would lose the results when the file is loaded again."""
     mesh = target.data
     if mesh.library is not None or target.library is not None:
-        raise refuse(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
+        raise InputError(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
     if mesh.override_library is not None:
-        raise refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
         )
 
@@ -222,7 +217,7 @@ def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> D
 def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
     """Raises if the mesh has changed its vertices since it was read."""
     if len(mesh.vertices) != len(results.coverage):
-        raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
+        raise InputError(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
 
 
 def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: Drawing) -> None:
@@ -248,7 +243,7 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
             if mesh.attributes.get(name) is None:
                 made.append(make_attribute(mesh, name))
             if made and made[-1] not in names:
-                raise refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what has this name.')
+                raise InputError(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what has this name.')
     except (RuntimeError, ParadescError):
         for name in made:
             mesh.attributes.remove(mesh.attributes[name])
@@ -259,7 +254,7 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     """Creates one of our attributes; returns the name that Blender gave it."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
-        raise refuse(
+        raise InputError(
             f'Blender could not make the attribute "{name}" on the mesh "{mesh.name}"; rename what has this name.'
         )
     return attribute.name

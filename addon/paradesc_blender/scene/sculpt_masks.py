@@ -4,7 +4,9 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import mesh_io, modes
+from paradesc.bridge import InputError
+
+from . import modes
 from .arrays import read_array
 
 NAME = ".sculpt_mask"
@@ -36,7 +38,7 @@ def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
     """Replaces the mask of the object in sculpt mode by (n,) weights. Hidden vertices keep theirs, as in Blender."""
     mesh = target.data
     if target.mode != "SCULPT" or len(mesh.vertices) != len(weights):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
+        raise InputError(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
     hidden, old = hidden_vertices(mesh), values(mesh)
     if hidden.any():
         weights = np.where(hidden, 0.0 if old is None else old, weights)

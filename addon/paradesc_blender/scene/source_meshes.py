@@ -12,14 +12,13 @@ from dataclasses import dataclass, field, replace
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays
+from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.source_kinds import NAMES
 
 from . import carrying, mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
 from .curves import curves_of
-from .mesh_io import refuse
 
 # Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
 GENERATING = {
@@ -55,7 +54,7 @@ class Reading:
 def check_source(source: str) -> None:
     """Raises if there is no source of this name."""
     if source not in NAMES:
-        raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
+        raise InputError(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
 
 
 def read(
@@ -113,7 +112,7 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
         if not same_vertices(mesh, target.data):
             names = quoted([modifier.name for modifier in shown_modifiers(target)])
             others = source_kinds.in_words(source_kinds.EVALUATED, source_kinds.ORIGINAL)
-            raise refuse(
+            raise InputError(
                 f'The modifiers of "{target.name}" ({names}) change its faces and cannot be left out; choose the '
                 f"source {others}."
             )
@@ -138,7 +137,7 @@ def check_maps(reading: Reading) -> None:
     """Raises if there is a normal map but its tangents are not those of the measured mesh."""
     maps = reading.arrays.maps
     if maps is not None and maps.normals is not None and reading.source != "original":
-        raise refuse(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
+        raise InputError(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
 
 
 # ---- Evaluating
@@ -150,14 +149,14 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
-        raise refuse(
+        raise InputError(
             f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
             f"evaluate its modifiers; enable it, or choose the source {BASE}."
         )
     try:
         mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     except RuntimeError as error:
-        raise refuse(f'Blender cannot evaluate "{target.name}": {error}') from error
+        raise InputError(f'Blender cannot evaluate "{target.name}": {error}') from error
     try:
         yield mesh
     finally:
@@ -287,7 +286,7 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
         yield
         return
     if MARK in mesh.attributes:
-        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
+        raise InputError(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
     active = mesh.attributes.active_index
     made = mesh.attributes.new(MARK, "FLOAT_VECTOR", "POINT")
     try:

@@ -3,10 +3,11 @@
 import bpy
 import numpy as np
 
+from paradesc.bridge import InputError
 from paradesc.core import color_maps
 from paradesc.core.job import registry_row
 
-from ..scene import arrays, mesh_io, ownership, record, sculpt_masks, targets
+from ..scene import arrays, ownership, record, sculpt_masks, targets
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -44,10 +45,10 @@ def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
     """The attribute of this name, made again if type or domain differ. Raises if it is not ours and unchanged."""
     if not name:
-        raise mesh_io.refuse("The attribute has no name; give it one.")
+        raise InputError("The attribute has no name; give it one.")
     attribute = mesh.attributes.get(name)
     if name in mesh.uv_layers or (attribute is not None and not is_own(mesh, attribute)):
-        raise mesh_io.refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here, or was changed since; rename '
             "it, or choose another name."
         )
@@ -59,7 +60,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
     if attribute is None or attribute.name != name:
         if attribute is not None:
             mesh.attributes.remove(attribute)
-        raise mesh_io.refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; choose another.')
+        raise InputError(f'The name "{name}" is taken on the mesh "{mesh.name}"; choose another.')
     remember(mesh, "attributes", name)
     return attribute
 
@@ -78,7 +79,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     An undefined value becomes neutral, or 0.
     """
     if name not in float_names(mesh):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
+        raise InputError(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
     values = arrays.read_array(mesh.attributes[name].data, "value", np.float32)
     defined = np.isfinite(values)
     if name not in recolor.baked_names(mesh):
@@ -101,7 +102,7 @@ def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
 def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str, domain: str) -> None:
     """Packs up to four attributes into the channels of a color attribute; an empty name is 0, or 1 in alpha."""
     if not any(names):
-        raise mesh_io.refuse("No channel has values; choose a descriptor for at least one.")
+        raise InputError("No channel has values; choose a descriptor for at least one.")
     rgba = np.zeros((len(mesh.vertices), 4), np.float32)
     rgba[:, 3] = 1.0
     for channel, name in enumerate(names):
@@ -127,7 +128,7 @@ def vertex_group(target: bpy.types.Object, name: str) -> None:
     """Makes a vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
     mesh, group = target.data, target.vertex_groups.get(name)
     if group is not None and not is_own_group(target, group):
-        raise mesh_io.refuse(
+        raise InputError(
             f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed since; '
             "rename it first."
         )
@@ -160,7 +161,7 @@ def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
     """Writes the descriptor's values from 0 to 1 as sculpt mode's mask, where 1 is protected."""
     weights = shares(target.data, name)
     if sculpt_masks.is_painted(target.data) and not replace:
-        raise mesh_io.refuse(
+        raise InputError(
             f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode first.'
         )
     sculpt_masks.write(target, weights)

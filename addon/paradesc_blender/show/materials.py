@@ -2,6 +2,8 @@
 
 import bpy
 
+from paradesc.bridge import InputError
+
 from ..scene import mesh_io, record
 from ..scene.node_groups import MARK, add_node
 from ..settings.translation import said
@@ -89,7 +91,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
         stored = record.read(mesh)
         radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
         if radius is None:
-            raise mesh_io.refuse(
+            raise InputError(
                 f'The mesh "{mesh.name}" no longer stores the radius of "{mean}"; bake it again.'
             )
         asset, attributes, settings = OF_MEAN, {"mean_curvature": mean}, {"Radius": radius}
@@ -102,7 +104,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
         different = [] if not (concave and convex) or ends[0] == ends[1] else ["and", ends[1].removeprefix("_") or "1"]
         title = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip()
     else:
-        raise mesh_io.refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'
         )
     group = found_group(title) or cavity_asset(asset, title, attributes)
@@ -131,9 +133,9 @@ def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
     """Inserts the cavity group in front of a material's base color."""
     shader = base_shader(material)
     if shader is None:
-        raise mesh_io.refuse("The active material has no Principled BSDF in use; make the Paradesc material instead.")
+        raise InputError("The active material has no Principled BSDF in use; make the Paradesc material instead.")
     if any(passes(node, PASSED) for node in own_nodes(material.node_tree, CAVITY_GROUP)):
-        raise mesh_io.refuse(f'The material "{material.name}" has the cavity group already.')
+        raise InputError(f'The material "{material.name}" has the cavity group already.')
     group, settings = cavity_group(mesh)
     place = (shader.location.x - 230, shader.location.y - 60)
     put(shader, add_group(material.node_tree, group, settings, place), PASSED)
@@ -189,9 +191,9 @@ class PARADESC_OT_plug_cavity(recolor.NeedsBake, bpy.types.Operator):
         """Changes the active material."""
         material = target.active_material
         if material is None:
-            raise mesh_io.refuse(f'The object "{target.name}" has no active material; make the Paradesc material.')
+            raise InputError(f'The object "{target.name}" has no active material; make the Paradesc material.')
         if material.library is not None or material.override_library is not None:
-            raise mesh_io.refuse(f'The material "{material.name}" is linked from another file; make it local first.')
+            raise InputError(f'The material "{material.name}" is linked from another file; make it local first.')
         plug(material, target.data)
 
 

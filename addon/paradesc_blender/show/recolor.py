@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.bridge import ParadescError
+from paradesc.bridge import InputError, ParadescError
 from paradesc.core import choices, color_maps, legend
 from paradesc.core.job import registry_name, registry_row
 
@@ -54,7 +54,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and the map with which a descriptor's colors on this mesh were made."""
     stored = record.read(mesh)
     if name not in stored.get("ranges", {}):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer stores the range of "{name}"; bake it again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer stores the range of "{name}"; bake it again.')
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))
@@ -68,7 +68,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) or (n, 3) float32 values of one of our attributes; not in edit mode, where Blender hides them."""
     if name not in mesh.attributes or not is_usable(mesh, name):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the values "{name}"; bake them again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer has the values "{name}"; bake them again.')
     return arrays.attribute_values(mesh.attributes[name])
 
 
@@ -76,9 +76,9 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     """Makes a descriptor's colors again with the look; returns their range. Not in edit mode."""
     colors = f"{name}_color"
     if colors not in mesh.attributes:
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the colors "{colors}"; bake them again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer has the colors "{colors}"; bake them again.')
     if not ownership.is_as_left(mesh, colors, mesh_io.wanted_kind(colors), ownership.faces_of(mesh)):
-        raise mesh_io.refuse(
+        raise InputError(
             f'The colors "{colors}" of the mesh "{mesh.name}" were painted over and are kept; bake again to make '
             "others beside them."
         )
@@ -195,7 +195,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         """Recolors one descriptor, or all of this mesh."""
         fault = choices.look_fault(context.scene.paradesc_looks)
         if fault:
-            raise mesh_io.refuse(fault)
+            raise InputError(fault)
         for name in self.names_of(target.data):
             recolor_object(target, name, self.look)
 

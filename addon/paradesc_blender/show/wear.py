@@ -9,7 +9,9 @@ from contextlib import contextmanager
 import bpy
 from mathutils import Vector
 
-from ..scene import large_faces, mesh_io, record
+from paradesc.bridge import InputError
+
+from ..scene import large_faces, record
 from ..scene.image_nodes import OF_VERTICES, OWN, is_as_left
 from ..scene.node_groups import MARK, add_node
 from . import slots, tuned
@@ -122,7 +124,7 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     """
     sentence = fault(target)
     if sentence:
-        raise mesh_io.refuse(sentence)
+        raise InputError(sentence)
     material = target.active_material
     if material is None:
         return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]

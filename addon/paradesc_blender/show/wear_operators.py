@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core.color_maps import Look
 
 from ..bake.batch import Batch, MeshBake
@@ -11,7 +12,7 @@ from ..bake.image_batch import ImageBatch
 from ..bake.modal import ModalJob
 from ..bake.operators import keep_for_undo
 from ..bake.pieces import ObjectKey, Pieces, Work, failures, find, report_all
-from ..scene import mesh_io, modes, targets, viewports
+from ..scene import modes, targets, viewports
 from ..settings import translation
 from ..settings.snapshot import Snapshot
 from . import wear
@@ -126,7 +127,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         """Makes the job; raises at once if no material of the selection can get wear."""
         faults = [wear.fault(target) for target in targets.chosen(context)]
         if all(faults):
-            raise mesh_io.refuse(faults[0])
+            raise InputError(faults[0])
         return WearJob(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
