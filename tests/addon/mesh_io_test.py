@@ -82,7 +82,7 @@ def test_triangles_and_their_faces_are_those_of_blender(sides):
     mesh.from_pydata(points, [], [range(*ends) for ends in itertools.pairwise(starts)])
     mesh.calc_loop_triangles()
     told = [(tuple(triangle.loops), triangle.polygon_index) for triangle in mesh.loop_triangles]
-    corners, faces = mesh_io.read_triangle_corners(mesh), mesh_io.read_triangle_faces(mesh)
+    corners, faces = mesh_io.read_triangles(mesh)
     assert corners.dtype == faces.dtype == np.int32
     assert [(tuple(row), face) for row, face in zip(corners.tolist(), faces.tolist(), strict=True)] == told
 

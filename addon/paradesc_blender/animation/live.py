@@ -191,26 +191,24 @@ class Session:
         A render never makes a carrier. If it finds one that does not fit, because the render has another subdivision
         level, Blender interpolates the values of the object's own vertices there.
         """
-        names, measured = values.names(self.painter.at), delivery.measured(self.done.arrays, not self.keeps_own)
-        mesh, modifier = carrying.carrier_of(target), carrying.modifier_of(target)
+        arrays, names, mesh = self.done.arrays, values.names(self.painter.at), carrying.carrier_of(target)
+        counts = (len(arrays.positions), len(arrays.corner_vertices))
         fits = mesh is not None and painting.has_all(mesh, names)
-        if fits:
-            known = carrying.measured_of(modifier.node_group)
-            fits = (known.points, known.corners) == (measured.points, measured.corners)
+        fits = fits and counts == carrying.counts_of(carrying.modifier_of(target).node_group)
         if rendering and not fits:
             if self.keeps_own:
                 return
             raise surfaces.lost(target)
         if not fits:
             earlier = {name: array for name, array in self.earlier.items() if name not in names}
-            mesh = delivery.carrier_mesh(target, self.done.arrays, not self.keeps_own, earlier)
+            mesh = delivery.carrier_mesh(target, arrays, not self.keeps_own, earlier)
             mesh_io.make_attributes(mesh, names)
         ownership.forget(mesh, names)
         for name, array in self.painter.attribute_values(values):
             set_values(mesh.attributes[name], array)
         if not fits:
             painting.leave_record(mesh, values, self.painter.ranges, self.painter.at)
-            carrying.carry(target, mesh, measured)
+            carrying.carry(target, mesh, counts, not self.keeps_own)
         mesh.update()
 
     def show_radius(self, scene: bpy.types.Scene) -> None:

@@ -93,11 +93,17 @@ def read(
         arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
         vertices = None if marks is None else carried(mesh, marks)
         earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
-    if former is not None and former.source == source and same_corners(former.arrays, arrays):
-        return replace(former, arrays=arrays)
+    if former is not None and former.source == source:
+        known = former.arrays
+        is_same = len(known.positions) == len(arrays.positions)
+        if is_same and np.array_equal(known.corner_vertices, arrays.corner_vertices):
+            return replace(former, arrays=arrays)
     if not placing:
         return Reading(arrays, source, own=False)
-    return placed(arrays, origins(target) if vertices is None else vertices, earlier)
+    vertices = origins(target) if vertices is None else vertices
+    is_lost = not len(vertices) or bool((vertices < 0).any())
+    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
+    return Reading(arrays, source, None if is_lost else vertices, not is_lost, earlier, notes)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
@@ -120,24 +126,9 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
         return Reading(moved(mesh, base), "deformed", notes=notes)
 
 
-def placed(arrays: MeshArrays, vertices: np.ndarray, earlier: dict[str, np.ndarray]) -> Reading:
-    """The arrays that all modifiers made, with the places of the original vertices among them."""
-    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
-    if not len(vertices) or (vertices < 0).any():
-        return Reading(arrays, "evaluated", None, own=False, earlier=earlier, notes=notes)
-    return Reading(arrays, "evaluated", vertices, earlier=earlier, notes=notes)
-
-
 def quoted(names: list[str]) -> str:
     """The names in quotation marks, between commas."""
     return ", ".join(f'"{name}"' for name in names)
-
-
-def check_maps(reading: Reading) -> None:
-    """Raises if there is a normal map but its tangents are not those of the measured mesh."""
-    maps = reading.arrays.maps
-    if maps is not None and maps.normals is not None and reading.source != "original":
-        raise InputError(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
 
 
 # ---- Evaluating
@@ -223,13 +214,6 @@ def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
         and len(mesh.loops) == len(other.loops)
         and len(mesh.polygons) == len(other.polygons)
         and np.array_equal(read_corner_vertices(mesh), read_corner_vertices(other))
-    )
-
-
-def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
-    """Whether both arrays have the same number of vertices and the same corners."""
-    return len(arrays.positions) == len(others.positions) and np.array_equal(
-        arrays.corner_vertices, others.corner_vertices
     )
 
 

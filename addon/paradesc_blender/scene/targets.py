@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.bridge import ParadescError, abi
+from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.core import job, source_kinds, spaces
 
 from . import mesh_io, source_meshes, surface_maps
@@ -55,11 +55,6 @@ def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
     if active is not None and active.mode != "OBJECT":
         return []
     return [item for item in context.selected_objects if item.type in CONVERTIBLE]
-
-
-def kind_words(target: bpy.types.Object) -> str:
-    """The type of an object, in Blender's words."""
-    return target.bl_rna.properties["type"].enum_items[target.type].name
 
 
 def unconvertible(item: bpy.types.Object) -> str:
@@ -158,7 +153,9 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
     if reading.source == "original":
         notes += take_shape(target, arrays, request.shape_key)
     map_notes = surface_maps.add_maps(target, arrays, request.maps)
-    source_meshes.check_maps(reading)
+    if arrays.maps is not None and arrays.maps.normals is not None and reading.source != "original":
+        base = source_meshes.BASE
+        raise InputError(f"A normal map belongs to the base mesh; choose the source {base}, or leave the map out.")
     matrix = mesh_io.world_matrix(target)
     measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
     return Read(arrays, measured, reading, notes, warnings, map_notes)

@@ -126,7 +126,8 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         layout.operator("paradesc.make_local", icon="LINK_BLEND")
     skipped = targets.skipped(context)
     if skipped:
-        kinds = ", ".join(dict.fromkeys(label(targets.kind_words(item)) for item in skipped))
+        types = skipped[0].bl_rna.properties["type"].enum_items  # in Blender's words
+        kinds = ", ".join(dict.fromkeys(label(types[item.type].name) for item in skipped))
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
         layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
