@@ -5,6 +5,7 @@ import signal
 import threading
 import weakref
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from ctypes import byref
 from types import FrameType, TracebackType
 
@@ -23,15 +24,32 @@ ProgressFunction = Callable[[str, float], bool]
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 
-class Field:
-    """Results at the vertices of one mesh."""
+class Closing(AbstractContextManager):
+    """Base of what is closed at the end of a with statement."""
 
-    def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+
+class Made(Closing):
+    """Base of what the library made for a mesh: close() frees it, or else Python, together with the object."""
+
+    def __init__(
+        self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int, destroy: Callable[[object], None]
+    ) -> None:
         self._library = library
         self._pointer = pointer
-        self._vertex_count = vertex_count
-        self._finalizer = weakref.finalize(self, library.pdesc_field_destroy, pointer)
+        self.vertex_count = vertex_count
+        self._finalizer = weakref.finalize(self, destroy, pointer)
         self._finalizer.atexit = False  # a thread may still use it then (core/threads.py)
+
+    def close(self) -> None:
+        """Frees it; the fields of a mesh stay usable."""
+        self._finalizer()
+
+
+class Field(Made):
+    """Results at the vertices of one mesh."""
 
     def report(self) -> dict[str, float | int]:
         """pdesc_field_report by member name."""
@@ -55,12 +73,16 @@ class Field:
 
     def values(self, name: str) -> np.ndarray:
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
-        return self._read(self._library.pdesc_field_values, name, components(name))
+        width = components(name)
+        values = np.empty(self.vertex_count if width == 1 else (self.vertex_count, width), np.float32)
+        given = (self._pointer, name.encode(), address(values, abi.Float32Pointer), self.vertex_count)
+        check(self._library, self._library.pdesc_field_values(*given))
+        return values
 
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
-        mask = np.empty(self._vertex_count, np.uint8)
-        status = self._library.pdesc_field_mask(self._pointer, address(mask, abi.Uint8Pointer), self._vertex_count)
+        mask = np.empty(self.vertex_count, np.uint8)
+        status = self._library.pdesc_field_mask(self._pointer, address(mask, abi.Uint8Pointer), self.vertex_count)
         check(self._library, status)
         return mask
 
@@ -72,33 +94,9 @@ class Field:
         check(self._library, self._library.pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
         return values
 
-    def close(self) -> None:
-        """Frees the results."""
-        self._finalizer()
 
-    def __enter__(self) -> "Field":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-    def _read(self, function: Callable[..., int], name: str, width: int = 1) -> np.ndarray:
-        """(vertex_count,) or (vertex_count, width) float32 from one of the reading functions."""
-        values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
-        status = function(self._pointer, name.encode(), address(values, abi.Float32Pointer), self._vertex_count)
-        check(self._library, status)
-        return values
-
-
-class Mesh:
+class Mesh(Made):
     """A mesh, its adjacency, charts and seams; made by Context.mesh()."""
-
-    def __init__(self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int) -> None:
-        self._library = library
-        self._pointer = pointer
-        self.vertex_count = vertex_count
-        self._finalizer = weakref.finalize(self, library.pdesc_mesh_destroy, pointer)
-        self._finalizer.atexit = False  # a thread may still use it then (core/threads.py)
 
     def report(self) -> dict[str, float | int]:
         """pdesc_mesh_report by member name."""
@@ -169,7 +167,7 @@ class Mesh:
             self._library.pdesc_field_destroy(pointer)
             raise caught[0]
         check(self._library, status)
-        return Field(self._library, pointer, self.vertex_count)
+        return Field(self._library, pointer, self.vertex_count, self._library.pdesc_field_destroy)
 
     def memory(
         self, descriptors: Sequence[str], options: Options | None = None, backend: str = "auto"
@@ -202,18 +200,8 @@ class Mesh:
         check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs, abi.Float32Pointer), count))
         return uvs
 
-    def close(self) -> None:
-        """Frees the mesh; its fields stay usable."""
-        self._finalizer()
 
-    def __enter__(self) -> "Mesh":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-
-class Context:
+class Context(Closing):
     """A device and its compiled programs. Closing it closes the meshes made from it."""
 
     def __init__(self, backend: str = "auto", device_index: int = -1, threads: int = 0, memory_limit: int = 0) -> None:
@@ -252,7 +240,7 @@ class Context:
         if status == abi.STATUS_INVALID_ARGUMENT:
             raise InputError(text(self._library.pdesc_last_error()))
         check(self._library, status)
-        mesh = Mesh(self._library, pointer, native.vertex_count)
+        mesh = Mesh(self._library, pointer, native.vertex_count, self._library.pdesc_mesh_destroy)
         self._meshes.add(mesh)
         if arrays.maps is not None:
             mesh.set_maps(arrays.maps)
@@ -264,12 +252,6 @@ class Context:
             mesh.close()
         self._library.pdesc_context_destroy(self._pointer)
         self._pointer = abi.ContextPointer()
-
-    def __enter__(self) -> "Context":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
 
 
 def allowed_memory(limit: int) -> int:

@@ -135,15 +135,10 @@ class Results:
         return value_range(values, registry_row(name), self.radius_of(name), self.look, areas)
 
     def weighted(self, name: str) -> Weighted:
-        """The values that tell the range, with the areas of those at the vertices."""
-        at_vertices = self.transfer is None and name not in self.texel_values
-        return self.telling(name), self.areas if at_vertices else None
-
-    def telling(self, name: str) -> np.ndarray:
-        """The values that the range follows from: of texels or detailed surfaces if there are any, else of vertices."""
+        """The values that tell the range: of texels or detailed surfaces, else those of vertices with their areas."""
         if name in self.texel_values:
-            return self.texel_values[name]
-        return self.values[name] if self.transfer is None else self.transfer.measured[name]
+            return self.texel_values[name], None
+        return (self.values[name], self.areas) if self.transfer is None else (self.transfer.measured[name], None)
 
     @property
     def areas(self) -> np.ndarray | None:
@@ -350,15 +345,14 @@ def run_on(
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
         results.areas_of = partial(advice.areas_of_vertices, arrays)
-    add_corners(results, arrays, progress)
+    if "harris" in settings.descriptors:
+        add_corners(results, arrays, progress)
     return results
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:
-    """Finds corners if there are Harris responses; with several radii, in those of the first."""
+    """Finds corners in Harris responses; with several radii, in those of the first."""
     name = results.harris
-    if name is None:
-        return
     reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)
     threshold = results.settings.corner_threshold
     results.corners = find_corners(
@@ -409,9 +403,7 @@ def run_radii(
 
 def part_of(progress: ProgressFunction | None, index: int, count: int) -> ProgressFunction | None:
     """Turns the progress of one of several equal parts into that of the whole."""
-    if progress is None:
-        return None
-    return lambda stage, fraction: progress(stage, (index + fraction) / count)
+    return span_of(progress, index / count, (index + 1) / count)
 
 
 def span_of(progress: ProgressFunction | None, first: float, last: float) -> ProgressFunction | None:
