@@ -56,7 +56,7 @@ def shown(
     if target.mode == "SCULPT" or still:
         yield Surface(own, False, own_positions(target), own)
         return
-    if source == source_kinds.EVALUATED and changes_faces(target, rendering):
+    if source == source_kinds.EVALUATED and changing(target, rendering):
         mesh = evaluated.to_mesh()
         try:
             generated = not source_meshes.same_vertices(mesh, own)
@@ -135,13 +135,8 @@ def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bo
     return moved or nodes or bool(kinds - source_meshes.GENERATING - {"NODES"})
 
 
-def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether the modifiers in use may change the faces of the object's own mesh."""
-    return bool(changing(target, rendering))
-
-
 def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
-    """The modifiers in use that may make or remove vertices or faces."""
+    """The modifiers in use that may change the vertices or faces of the object's own mesh."""
     kinds = {*source_meshes.GENERATING, "NODES"}
     return [item for item in used(target, rendering) if item.type in kinds]
 

@@ -14,7 +14,7 @@ from paradesc.core.color_maps import MASKS
 from paradesc.files import file_names, image_files, marks
 from paradesc.files.results import file_fault, write_whole
 
-from ..scene import image_nodes, image_places, image_results, images, pairs, surface_maps, targets, uv_maps
+from ..scene import image_nodes, image_results, images, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
 from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
@@ -185,7 +185,7 @@ class ImageBatch(Pieces):
         """
         owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
-        place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
+        place = images.free_name(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
             piece.told.append(
                 f'"{name}" is not the image that a bake of "{piece.name}" made, or was changed, and is kept; the '

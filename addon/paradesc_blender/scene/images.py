@@ -1,11 +1,12 @@
-"""Brings textures into Blender: as images of data, from files or packed into the .blend."""
+"""Brings textures into Blender: as images of data, from files or packed into the .blend, under names that are free."""
 
+import re
 import tempfile
 from pathlib import Path
 
 import bpy
 
-from paradesc.files import file_names, tile_names
+from paradesc.files import file_names, marks, tile_names
 
 # The custom property of images that were packed because the .blend had no folder, and of materials made for images.
 MARK = "paradesc_image"
@@ -106,3 +107,43 @@ def as_data(image: bpy.types.Image) -> bpy.types.Image:
     image.colorspace_settings.is_data = True
     image.alpha_mode = "CHANNEL_PACKED"
     return image
+
+
+# ---- Names
+
+
+def free_name(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> str:
+    """The name of an object's texture: that of its earlier, unchanged bake, or a free one, without suffix.
+
+    stem: the object in file names; word: the texture; folder: that of the .blend, or None if textures are packed.
+    """
+    names = (f"{one}_{word}" for one in file_names.numbered(stem))
+    there = [] if folder is None else list(folder.iterdir())
+
+    def is_free(name: str) -> bool:
+        if folder is not None:
+            return is_free_in_folder(folder / f"{name}.png", there, owner)
+        image = packed_as(name)
+        return image is None or (image.get(OBJECT) == owner["object"] and not is_edited(image))
+
+    return next(filter(is_free, names))
+
+
+def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool:
+    """Whether a texture's file, or those of all its tiles, are missing or are unchanged bakes of this owner.
+
+    A file that this .blend uses may have the mark of a former .blend.
+    """
+    pattern = re.compile(re.escape(file_names.folded(path.stem)) + r"(\.\d{4})?\.png")
+    files = [one for one in there if pattern.fullmatch(file_names.folded(one.name))]
+    loaded = at_path(path)
+    is_ours = any(image.get(OBJECT) == owner["object"] for image in loaded)
+    for found in (marks.owner_of_file(one) or {} for one in files):
+        if found.get("object") != owner["object"] or not (is_ours or found.get("blend") == owner["blend"]):
+            return False
+    return not any(is_edited(image) for image in loaded)
+
+
+def is_edited(image: bpy.types.Image) -> bool:
+    """Whether somebody has painted on an image, or has packed other contents than a bake's into the .blend."""
+    return image.is_dirty or any(marks.owner_of(item.packed_file.data) is None for item in image.packed_files)

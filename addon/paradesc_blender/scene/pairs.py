@@ -30,14 +30,11 @@ def meant(context: bpy.types.Context) -> Pairs:
     if len(found) != 1:
         return found
     ((low, highs),) = found.items()
-    is_pair = len(highs) == 1 or pair_names.is_one_of_a_pair(low.name) or all(overlap(low, high) for high in highs)
-    return found if is_pair else {}
-
-
-def overlap(first: bpy.types.Object, second: bpy.types.Object) -> bool:
-    """Whether the world-space bounding boxes of two objects overlap."""
-    (low, high), (other_low, other_high) = bounds(first), bounds(second)
-    return bool((low <= other_high).all() and (other_low <= high).all())
+    if len(highs) == 1 or pair_names.is_one_of_a_pair(low.name):
+        return found
+    start, end = bounds(low)
+    overlap = ((start <= last).all() and (first <= end).all() for first, last in map(bounds, highs))
+    return found if all(overlap) else {}
 
 
 def bounds(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:

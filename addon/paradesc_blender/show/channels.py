@@ -1,4 +1,7 @@
-"""Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask."""
+"""Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask.
+
+Or a copy of the whole object, with its modifiers applied.
+"""
 
 import bpy
 import numpy as np
@@ -7,7 +10,7 @@ from paradesc.bridge import InputError
 from paradesc.core import color_maps
 from paradesc.core.job import registry_row
 
-from ..scene import arrays, ownership, record, sculpt_masks, targets
+from ..scene import arrays, delivery, ownership, record, sculpt_masks, targets
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -68,19 +71,15 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
 # ---- Values
 
 
-def float_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The vertex attributes with one float each, ours or not."""
-    return [item.name for item in mesh.attributes if arrays.kind_of(item) == ("FLOAT", "POINT")]
-
-
 def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) float32 in [0, 1]: a descriptor relative to the range of its colors, any other attribute unchanged.
 
     An undefined value becomes neutral, or 0.
     """
-    if name not in float_names(mesh):
+    attribute = mesh.attributes.get(name)
+    if attribute is None or arrays.kind_of(attribute) != ("FLOAT", "POINT"):
         raise InputError(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
-    values = arrays.read_array(mesh.attributes[name].data, "value", np.float32)
+    values = arrays.attribute_values(attribute)
     defined = np.isfinite(values)
     if name not in recolor.baked_names(mesh):
         return np.clip(np.where(defined, values, 0), 0, 1).astype(np.float32)
@@ -274,10 +273,38 @@ class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
         self.report({"INFO"}, translation.said("Wrote {names}").format(names=names))
 
 
+class PARADESC_OT_make_result_object(recolor.NeedsBake, bpy.types.Operator):
+    """Make a copy with all modifiers applied and every mask on its vertices; it is selected, and the original hidden"""
+
+    bl_idname = "paradesc.make_result_object"
+    bl_label = "Copy with Values"
+    bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Works only in object mode, where the selection can change."""
+        return context.mode == "OBJECT" and super().poll(context)
+
+    def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Makes one copy and hides its original in the viewport and in renders."""
+        copy = delivery.copy_with_values(target)
+        if context.view_layer.objects.active == target:
+            context.view_layer.objects.active = copy
+        copy.select_set(True)
+        target.select_set(False)
+        target.hide_set(True)
+        target.hide_render = True
+        names = {"copy": copy.name, "name": target.name}
+        sentence = translation.said('"{copy}" has the modifiers applied and all masks; "{name}" is hidden')
+        self.report({"INFO"}, sentence.format(**names))
+
+
 classes = (
     PARADESC_OT_pack,
     PARADESC_OT_corner_colors,
     PARADESC_OT_vertex_group,
     PARADESC_OT_sculpt_mask,
     PARADESC_OT_export_copies,
+    PARADESC_OT_make_result_object,
 )

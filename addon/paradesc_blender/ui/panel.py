@@ -17,7 +17,6 @@ from .drawing import SidebarPanel, choice, in_two_columns, sentence_lines, setti
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
-from .wear_panel import draw_wear
 
 # The bake button's share of a row that also has Live.
 BAKE_SHARE = 0.7
@@ -114,7 +113,9 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
-    draw_wear(layout)
+    row = layout.row(align=True)
+    row.operator("paradesc.add_wear", icon="NODE_MATERIAL")
+    row.menu("PARADESC_MT_wear", text="", icon="DOWNARROW_HLT")
 
 
 def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
