@@ -125,10 +125,7 @@ class SceneSource:
         read.notes += [*read.warnings, *read.map_notes]
         return read
 
-    def read_high(self, target: bpy.types.Object, settings: job.Settings) -> targets.Read:
-        """Reads a detailed object."""
-        with quiet(self.arguments.verbose):
-            return self.read(target, settings)
+    read_high = read  # a detailed object
 
     def check_writable(self, chosen: list[bpy.types.Object]) -> None:
         """Refuses objects whose meshes cannot take results."""

@@ -296,9 +296,3 @@ def test_modifiers_do_not_change_what_is_read(sphere_object):
     sphere_object.modifiers.new("subdivision", "SUBSURF").levels = 2
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     assert len(arrays.positions) == len(sphere_object.data.vertices)
-
-
-def test_world_matrix_is_row_by_row(sphere_object):
-    sphere_object.location = (1, 2, 3)
-    bpy.context.view_layer.update()
-    assert mesh_io.world_matrix(sphere_object)[:3, 3].tolist() == [1, 2, 3]

@@ -163,7 +163,7 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
     assert targets.shared_note([first, third]) == []
     assert "measured on" in targets.shared_note([first, third], source="deformed")[0]
     assert targets.shared_note([first], source="deformed") == []
-    assert spaces.is_even(mesh_io.world_matrix(third))
+    assert spaces.is_even(third.matrix_world)
 
 
 def test_the_button_says_how_many_meshes_there_are(spheres):

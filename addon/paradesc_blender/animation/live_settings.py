@@ -100,16 +100,6 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
 
 
-def follows(group: bpy.types.PropertyGroup) -> bool:
-    """Whether the object's values follow the animation."""
-    return group.mode == "LIVE"
-
-
-def follow(group: bpy.types.PropertyGroup, wanted: bool) -> None:
-    """Switches live values on or off."""
-    group.mode = "LIVE" if wanted else "OFF"
-
-
 # Characters are linked and overridden in studios, and their objects keep what is chosen for them.
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 
@@ -128,8 +118,8 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     follows: bpy.props.BoolProperty(
         name="Live",
         description="Values follow the animation, edits and renders: the mode Live, as one switch",
-        get=follows,
-        set=follow,
+        get=lambda group: group.mode == "LIVE",
+        set=lambda group, wanted: setattr(group, "mode", "LIVE" if wanted else "OFF"),
         override=OVERRIDABLE,
     )
     sentence: bpy.props.StringProperty(name="Message", description="Reason why live values were switched off")

@@ -78,7 +78,11 @@ class ImageBatch(Pieces):
         self.folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
         self.started = time.monotonic()
         self.cage = group.cage
-        super().__init__(paired(context) if onto else alone(context))
+        if onto:
+            found = [TextureBake(key_of(low), [*map(key_of, highs)]) for low, highs in pairs.chosen(context).items()]
+        else:
+            found = [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
+        super().__init__(found)
         for piece in self.pieces:
             piece.stem = file_names.cut(bpy.path.clean_name(piece.name))  # two objects may get the same
         # With one scale for several meshes none is drawn before all are computed.
@@ -171,10 +175,11 @@ class ImageBatch(Pieces):
         made = piece.textures.by_name()
         piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
         if self.to_material:
-            uv_map, repeats = uv_maps.not_rendered(target.data, piece.over.name), piece.over.repeats
-            holds = [textures[0].holds for textures in made.values()]
-            rows = zip(piece.images, holds, strict=True)
-            found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
+            layer = target.data.uv_layers.get(piece.over.name)
+            # Materials that name no map would render another one.
+            uv_map = piece.over.name if layer is not None and not layer.active_render else ""
+            rows = zip(piece.images, made.values(), strict=True)
+            found = [image_nodes.Texture(image, own[0].holds, uv_map, piece.over.repeats) for image, own in rows]
             piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
         image_results.keep(target.data, piece.result(self.choice.size))
 
@@ -200,14 +205,3 @@ class ImageBatch(Pieces):
             write_whole(own, content, Path.write_bytes)
             piece.placed.append(own)
         return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
-
-
-def alone(context: bpy.types.Context) -> list[TextureBake]:
-    """One piece for each chosen mesh."""
-    return [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
-
-
-def paired(context: bpy.types.Context) -> list[TextureBake]:
-    """One piece for each low-poly object."""
-    found = pairs.chosen(context)
-    return [TextureBake(key_of(low), [key_of(high) for high in highs]) for low, highs in found.items()]

@@ -121,11 +121,6 @@ def read_edges(mesh: bpy.types.Mesh) -> np.ndarray:
     return read_array(mesh.edges, "vertices", np.int32, 2)
 
 
-def world_matrix(target: bpy.types.Object) -> np.ndarray:
-    """(4, 4) float64 matrix from object space to world space."""
-    return np.array(target.matrix_world, np.float64)
-
-
 # ---- Writing
 
 

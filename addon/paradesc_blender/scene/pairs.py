@@ -6,7 +6,7 @@ from mathutils import Vector
 
 from paradesc.core import pair_names, transfer
 
-from . import mesh_io, targets
+from . import targets
 
 Pairs = dict[bpy.types.Object, list[bpy.types.Object]]
 
@@ -17,7 +17,10 @@ def chosen(context: bpy.types.Context) -> Pairs:
     if active is not None and active.mode != "OBJECT":
         return {}
     selected = targets.chosen(context)
-    named = named_among(context, selected)
+    named = {}
+    if any(pair_names.is_one_of_a_pair(item.name) for item in selected):
+        found = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
+        named = {low: highs for low, highs in found.items() if low in selected or set(highs) & set(selected)}
     return named or ({active: selected[1:]} if len(selected) > 1 and selected[0] == active else {})
 
 
@@ -43,14 +46,6 @@ def bounds(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     return corners.min(axis=0), corners.max(axis=0)
 
 
-def named_among(context: bpy.types.Context, selected: list[bpy.types.Object]) -> Pairs:
-    """The pairs by name of which at least one object is selected."""
-    if not any(pair_names.is_one_of_a_pair(item.name) for item in selected):
-        return {}
-    named = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
-    return {low: highs for low, highs in named.items() if low in selected or set(highs) & set(selected)}
-
-
 def by_name(objects: list[bpy.types.Object]) -> Pairs:
     """The pairs among these objects."""
     named = {item.name: item for item in objects}
@@ -60,4 +55,4 @@ def by_name(objects: list[bpy.types.Object]) -> Pairs:
 
 def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
     """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, mesh_io.world_matrix(target))
+    return transfer.Part(target.name, read.arrays, read.measured, np.array(target.matrix_world))

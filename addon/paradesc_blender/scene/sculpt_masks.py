@@ -39,9 +39,9 @@ def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
     mesh = target.data
     if target.mode != "SCULPT" or len(mesh.vertices) != len(weights):
         raise InputError(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
-    hidden, old = hidden_vertices(mesh), values(mesh)
-    if hidden.any():
-        weights = np.where(hidden, 0.0 if old is None else old, weights)
+    hidden, old = mesh.attributes.get(".hide_vert"), values(mesh)
+    if hidden is not None:
+        weights = np.where(read_array(hidden.data, "value", bool), 0.0 if old is None else old, weights)
     if bpy.app.background:  # without undo, which Blender's own operators on the mask rely on
         with modes.object_mode(target):
             write(target, weights)
@@ -71,14 +71,6 @@ def make_storage(target: bpy.types.Object) -> None:
     finally:
         bpy.ops.object.mode_set(mode="OBJECT")
         objects.active = active
-
-
-def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(n,) bool: which vertices are hidden."""
-    attribute = mesh.attributes.get(".hide_vert")
-    if attribute is None:
-        return np.zeros(len(mesh.vertices), bool)
-    return read_array(attribute.data, "value", bool)
 
 
 def sculpts_multires(target: bpy.types.Object) -> bool:

@@ -141,7 +141,7 @@ def read_displacement_node(
 
 def uniform_scale(target: bpy.types.Object) -> float:
     """The uniform scale factor from the mesh's units to the world's."""
-    matrix = mesh_io.world_matrix(target)
+    matrix = target.matrix_world
     scale = spaces.scales(matrix)
     if scale.min() <= 0 or not spaces.is_even(matrix):
         raise InputError(

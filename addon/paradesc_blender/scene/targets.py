@@ -156,7 +156,7 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
     if arrays.maps is not None and arrays.maps.normals is not None and reading.source != "original":
         base = source_meshes.BASE
         raise InputError(f"A normal map belongs to the base mesh; choose the source {base}, or leave the map out.")
-    matrix = mesh_io.world_matrix(target)
+    matrix = target.matrix_world
     measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
     return Read(arrays, measured, reading, notes, warnings, map_notes)
 
@@ -201,8 +201,8 @@ def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: s
         return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured on "{first.name}".']
     if space != "world":
         return []
-    own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
-    if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
+    own = np.sort(spaces.scales(first.matrix_world))
+    if all(np.allclose(own, np.sort(spaces.scales(item.matrix_world)), rtol=spaces.EVEN) for item in others):
         return []
     return [
         f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '

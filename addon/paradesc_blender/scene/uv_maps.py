@@ -85,12 +85,6 @@ def fault(arrays: bridge.MeshArrays) -> str:
     return "has a UV map with most faces over each other" if stacked else ""
 
 
-def not_rendered(mesh: bpy.types.Mesh, name: str) -> str:
-    """The name of a map, if materials that name no map would render another one; else ""."""
-    layer = mesh.uv_layers.get(name)
-    return name if layer is not None and not layer.active_render else ""
-
-
 def own(mesh: bpy.types.Mesh) -> str:
     """The name of the newest map that this module made, or ""."""
     return next((layer.name for layer in reversed(mesh.uv_layers) if layer.name.startswith(NAME)), "")

@@ -30,8 +30,9 @@ def masks_of(descriptors: set[str]) -> list[str]:
 
 def choose_mask(group: bpy.types.PropertyGroup, name: str, extend: bool = False) -> None:
     """Chooses a mask, or switches it beside the others; other settings stay. A fitted radius follows from the mask."""
-    masks, others = [name], masks_of(group.descriptors)
+    masks = [name]
     if extend:
+        others = masks_of(group.descriptors)
         left = [mask for mask in others if mask != name]
         masks = (left or masks) if name in others else [*others, name]
     group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in masks))

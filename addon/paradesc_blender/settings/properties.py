@@ -36,14 +36,6 @@ def property_of(member: Member, **more: object) -> object:
     return PROPERTIES[member.kind](**words)
 
 
-def make_settings() -> type:
-    """Makes the class of the settings, with the registry as it is now."""
-    every = [(name, member) for group in members.GROUPS for name, member in group().items()]
-    annotations = {name: property_of(member, **({"update": typed} if name in RADII else {})) for name, member in every}
-    body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
-    return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
-
-
 # Not empty while a fitted radius is being set, which therefore does not count as typed.
 showing: list[bool] = []
 
@@ -78,7 +70,10 @@ classes = ()
 
 def register() -> None:
     """Adds the settings to every scene."""
-    settings = translation.in_our_context(make_settings())
+    every = [(name, member) for group in members.GROUPS for name, member in group().items()]
+    annotations = {name: property_of(member, **({"update": typed} if name in RADII else {})) for name, member in every}
+    body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
+    settings = translation.in_our_context(type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body))
     bpy.utils.register_class(settings)
     bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=settings)
 

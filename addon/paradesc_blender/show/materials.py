@@ -86,7 +86,8 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
     was baked; the other is then 0.
     """
     names = recolor.baked_names(mesh)
-    concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
+    first = {mesh_io.registry_name(name): name for name in reversed(names)}  # of each descriptor, at any radius
+    concave, convex, mean = (first.get(word, "") for word in ("cavity", "convexity", "mean_curvature"))
     if mean and not (concave and convex):
         stored = record.read(mesh)
         radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
@@ -121,11 +122,6 @@ def cavity_asset(asset: str, title: str, attributes: dict[str, str]) -> bpy.type
     return group
 
 
-def first_of(names: list[str], word: str) -> str:
-    """The first of the names whose values are this descriptor, at any radius, or ""."""
-    return next((name for name in names if mesh_io.registry_name(name) == word), "")
-
-
 # ---- The group in the user's own material
 
 
@@ -139,14 +135,6 @@ def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
     group, settings = cavity_group(mesh)
     place = (shader.location.x - 230, shader.location.y - 60)
     put(shader, add_group(material.node_tree, group, settings, place), PASSED)
-
-
-def unplug(material: bpy.types.Material) -> None:
-    """Removes the cavity group from a material."""
-    for node in own_nodes(material.node_tree, CAVITY_GROUP):
-        if passes(node, PASSED):
-            take_out(node, PASSED)
-            material.node_tree.nodes.remove(node)
 
 
 # ---- Operators
@@ -210,8 +198,12 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
         for sentence in take_back(target.data):
             self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:
-            if slot.material is not None and DESCRIPTOR not in slot.material and slot.material.library is None:
-                unplug(slot.material)
+            material = slot.material
+            if material is not None and DESCRIPTOR not in material and material.library is None:
+                for node in own_nodes(material.node_tree, CAVITY_GROUP):
+                    if passes(node, PASSED):
+                        take_out(node, PASSED)
+                        material.node_tree.nodes.remove(node)
 
 
 classes = (PARADESC_OT_make_material, PARADESC_OT_plug_cavity, PARADESC_OT_remove_material)

@@ -203,13 +203,16 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
 def on_look(scene: bpy.types.Scene, setting: str) -> None:
     """Recolors the selected meshes as soon as a color setting changes. In edit mode values are hidden, so it waits.
 
+    Live values do so themselves.
     All masks get one scale or lose it, since those that are shown later would have another one.
     """
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
     names_of = baked_names if setting == "same_scale" else shown_names
-    shown = [(item, name) for item in baked_targets(context) if is_still(item) for name in names_of(item.data)]
+    found = [item for item in baked_targets(context) if item.mode != "EDIT"]
+    still = [item for item in found if not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")]
+    shown = [(item, name) for item in still for name in names_of(item.data)]
     look = shared_look(scene, shown)
     for item, name in shown:
         if item.data.library is None:
@@ -223,11 +226,6 @@ def shared_look(scene: bpy.types.Scene, shown: list[tuple[bpy.types.Object, str]
     if not scene.paradesc_looks.same_scale:
         return look
     return color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
-
-
-def is_still(item: bpy.types.Object) -> bool:
-    """Whether the colors of its mesh may be recolored now: not in edit mode, and live values do so themselves."""
-    return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(

@@ -231,11 +231,6 @@ def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
 # ---- Removing
 
 
-def wears(target: bpy.types.Object) -> bool:
-    """Whether any material of an object has wear."""
-    return any(has_wear(slot.material) for slot in target.material_slots)
-
-
 def has_wear(material: bpy.types.Material | None) -> bool:
     """Whether the colors of a material pass through the group."""
     nodes = own_nodes(material.node_tree, GROUP) if material is not None else []

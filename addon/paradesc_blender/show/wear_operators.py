@@ -178,7 +178,7 @@ class PARADESC_OT_remove_wear(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a material with wear."""
-        there = any(wear.wears(target) for target in targets.chosen(context))
+        there = any(wear.has_wear(slot.material) for one in targets.chosen(context) for slot in one.material_slots)
         return translation.can_run(cls, "" if there else "No material of the selected objects has wear")
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -9,7 +9,7 @@ from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, progress_text
 from ..bake.pieces import Pieces
-from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
+from ..scene import large_faces, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -132,7 +132,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
         layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
-    uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
+    uneven = [item for item in chosen if not spaces.is_even(item.matrix_world)]
     if uneven and settings.space == "object":
         if not stored_report(chosen[0]):  # its warnings say so at length
             sentence_lines(context, layout, "The object's uneven scale is ignored", "INFO")
