@@ -12,7 +12,7 @@ from live_values import baked_shape, count_computations, live_settings, stretchi
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc_blender.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
 from paradesc_blender.scene import mesh_io, source_meshes  # noqa: E402
-from paradesc_blender.settings import properties  # noqa: E402
+from paradesc_blender.settings import hooks, properties  # noqa: E402
 from paradesc_blender.ui import live_panel  # noqa: E402
 from scene import add_sphere, attribute_values, subdivide  # noqa: E402
 
@@ -345,11 +345,11 @@ def test_every_handler_is_hung_in_once_and_taken_out():
             for hook in getattr(bpy.app.handlers, name)
         )
 
-    handlers.register()
+    hooks.add(handlers)
     assert count() == len(handlers.HANDLERS)
-    handlers.unregister()
+    hooks.remove(handlers)
     assert count() == 0
-    handlers.register()
+    hooks.add(handlers)
 
 
 def test_values_of_several_radii_are_called_as_asked(stretching):

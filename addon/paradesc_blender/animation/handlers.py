@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 
 from ..bake.modal import ModalJob
 from ..scene import record, viewports
-from ..settings import hooks, looks
+from ..settings import looks
 from . import live, painting, pausing, unkeyed
 from .sessions import (
     STATE,
@@ -218,14 +218,12 @@ classes = ()
 
 
 def register() -> None:
-    """Adds each handler to Blender, once."""
-    hooks.hang(HANDLERS)
+    """Listens to color settings."""
     looks.listen(look_changed)
 
 
 def unregister() -> None:
-    """Removes the handlers and frees all sessions."""
-    hooks.take_down(HANDLERS)
+    """Frees all sessions."""
     looks.ignore(look_changed)
     for function in (follow_edits, collect):
         if bpy.app.timers.is_registered(function):

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..settings.hooks import OVERRIDABLE
 from . import handlers, painting, sessions
 
 MODES = [
@@ -100,10 +101,6 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
 
 
-# Characters are linked and overridden in studios, and their objects keep what is chosen for them.
-OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
-
-
 class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     """Live mode of one object."""
 
@@ -126,15 +123,7 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
 
 
 classes = (PARADESC_PG_live_range, PARADESC_PG_live, PARADESC_PG_live_object)
-
-
-def register() -> None:
-    """Gives scenes and objects their settings."""
-    bpy.types.Scene.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live)
-    bpy.types.Object.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live_object, override=OVERRIDABLE)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Object.paradesc_live
-    del bpy.types.Scene.paradesc_live
+GROUPS = {
+    (bpy.types.Scene, "paradesc_live"): PARADESC_PG_live,
+    (bpy.types.Object, "paradesc_live"): PARADESC_PG_live_object,
+}

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import bpy
 
-from ..scene.curves import curves_of
+from ..scene.source_meshes import curves_of
 
 Value = tuple[str, int, object]  # the path of an animated property, the index in an array or else 0, and the value
 _kept: dict[bpy.types.ID, list[Value]] = {}

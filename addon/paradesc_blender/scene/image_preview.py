@@ -72,7 +72,7 @@ def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: 
     _shown[key_of(target)] = Shown(key_of(image), key_of(target.data), uv_map, nearer)
     if "handle" not in _kept and not bpy.app.background:
         _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
-        hooks.hang(HANDLERS)
+        hooks.hang(FORGETTING)
         atexit.register(end)
     redraw()
 
@@ -124,7 +124,7 @@ def forget_file(*_words: object) -> None:
 
 
 CHANGES = ("depsgraph_update_post", "frame_change_post", "undo_post", "redo_post")
-HANDLERS = {**dict.fromkeys(CHANGES, forget_batches), "load_post": forget_file}
+FORGETTING = {**dict.fromkeys(CHANGES, forget_batches), "load_post": forget_file}
 
 # ---- Drawing
 
@@ -242,4 +242,4 @@ def unregister() -> None:
     handle = _kept.pop("handle", None)
     if handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
-        hooks.take_down(HANDLERS)
+        hooks.take_down(FORGETTING)

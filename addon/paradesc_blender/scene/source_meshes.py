@@ -18,7 +18,6 @@ from paradesc.core.source_kinds import NAMES
 
 from . import carrying, mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
-from .curves import curves_of
 
 # Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
 GENERATING = {
@@ -200,6 +199,18 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
     path = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport'
     curves = (*data.drivers, *curves_of(data))
     return [curve for curve in curves if curve.data_path == path and not curve.mute]
+
+
+def curves_of(animation: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
+    """The F-curves with keyframes, from the action or its strips; actions have layers since Blender 4.4."""
+    strips = (strip.action for track in animation.nla_tracks for strip in track.strips)
+    for action in filter(None, (animation.action, *strips)):
+        if getattr(action, "layers", None):
+            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+        else:
+            bags = (action,)
+        for bag in bags:
+            yield from bag.fcurves
 
 
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:

@@ -85,13 +85,4 @@ def object_cache(scene: bpy.types.Scene, target: bpy.types.Object) -> Path:
 
 
 classes = (PARADESC_PG_animation,)
-
-
-def register() -> None:
-    """Adds the settings to every scene."""
-    bpy.types.Scene.paradesc_animation = bpy.props.PointerProperty(type=PARADESC_PG_animation)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Scene.paradesc_animation
+GROUPS = {(bpy.types.Scene, "paradesc_animation"): PARADESC_PG_animation}

@@ -97,13 +97,4 @@ def scene_look(scene: bpy.types.Scene) -> Look:
 
 
 classes = (PARADESC_PG_looks,)
-
-
-def register() -> None:
-    """Adds the settings to every scene."""
-    bpy.types.Scene.paradesc_looks = bpy.props.PointerProperty(type=PARADESC_PG_looks)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Scene.paradesc_looks
+GROUPS = {(bpy.types.Scene, "paradesc_looks"): PARADESC_PG_looks}

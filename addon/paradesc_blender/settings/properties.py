@@ -6,7 +6,7 @@ from paradesc.core import choices, members
 from paradesc.core.job import Settings
 from paradesc.core.members import Member
 
-from . import leaving, preferences, translation
+from . import hooks, preferences, translation
 
 RADII = ("radius_percent", "radius_absolute", "radius_edges")
 PROPERTIES = {
@@ -83,4 +83,4 @@ def unregister() -> None:
     del bpy.types.Scene.paradesc
     settings = bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")
     bpy.utils.unregister_class(settings)
-    leaving.clear([settings])
+    hooks.clear([settings])
