@@ -95,22 +95,7 @@ def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
     return values if domain == "POINT" else values[arrays.read_corner_vertices(mesh)]
 
 
-# ---- Targets
-
-
-def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str, domain: str) -> None:
-    """Packs up to four attributes into the channels of a color attribute; an empty name is 0, or 1 in alpha."""
-    if not any(names):
-        raise InputError("No channel has values; choose a descriptor for at least one.")
-    rgba = np.zeros((len(mesh.vertices), 4), np.float32)
-    rgba[:, 3] = 1.0
-    for channel, name in enumerate(names):
-        if name:
-            rgba[:, channel] = shares(mesh, name)
-    own_attribute(mesh, attribute_name, kind, domain)
-    arrays.set_values(mesh.attributes[attribute_name], spread(mesh, rgba, domain))
-    ownership.leave(mesh, [attribute_name])
-    mesh.update()
+# ---- Copies
 
 
 def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
@@ -121,26 +106,6 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
     ownership.leave(mesh, [attribute])
     mesh.update()
     return attribute
-
-
-def vertex_group(target: bpy.types.Object, name: str) -> None:
-    """Makes a vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
-    mesh, group = target.data, target.vertex_groups.get(name)
-    if group is not None and not is_own_group(target, group):
-        raise InputError(
-            f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed since; '
-            "rename it first."
-        )
-    weights = shares(mesh, name)
-    active = target.vertex_groups.active_index
-    if group is None:
-        group = target.vertex_groups.new(name=name)
-        if active >= 0:
-            target.vertex_groups.active_index = active
-    remember(mesh, "groups", name)
-    for vertex, weight in enumerate(weights.tolist()):
-        group.add((vertex,), weight, "REPLACE")
-    ownership.leave_weights(mesh, name, weights)
 
 
 def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
@@ -154,16 +119,6 @@ def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool
             if one.group == group.index:
                 weights[vertex.index] = one.weight
     return ownership.is_untouched(mesh, f":{group.name}", weights, ownership.faces_of(mesh))
-
-
-def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
-    """Writes the descriptor's values from 0 to 1 as sculpt mode's mask, where 1 is protected."""
-    weights = shares(target.data, name)
-    if sculpt_masks.is_painted(target.data) and not replace:
-        raise InputError(
-            f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode first.'
-        )
-    sculpt_masks.write(target, weights)
 
 
 def export_copies(mesh: bpy.types.Mesh) -> list[str]:
@@ -205,10 +160,20 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Packs the attributes that the scene's settings name."""
-        group = context.scene.paradesc_looks
+        """Packs the attributes that the scene's settings name; a channel without a name is 0, or 1 in alpha."""
+        group, mesh = context.scene.paradesc_looks, target.data
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
-        pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
+        if not any(names):
+            raise InputError("No channel has values; choose a descriptor for at least one.")
+        rgba = np.zeros((len(mesh.vertices), 4), np.float32)
+        rgba[:, 3] = 1.0
+        for channel, name in enumerate(names):
+            if name:
+                rgba[:, channel] = shares(mesh, name)
+        own_attribute(mesh, group.pack_name, group.pack_kind, group.pack_domain)
+        arrays.set_values(mesh.attributes[group.pack_name], spread(mesh, rgba, group.pack_domain))
+        ownership.leave(mesh, [group.pack_name])
+        mesh.update()
         words = translation.label({item[0]: item[1] for item in PACKED_DOMAINS}[group.pack_domain]).lower()
         sentence = translation.said('Packed into "{name}", one color per {place}')
         self.report({"INFO"}, sentence.format(name=group.pack_name, place=words))
@@ -232,8 +197,23 @@ class PARADESC_OT_vertex_group(NeedsShown, bpy.types.Operator):
     bl_label = "Vertex Group"
 
     def write(self, target: bpy.types.Object, name: str) -> str:
-        """Makes or fills the group."""
-        vertex_group(target, name)
+        """Makes or fills the group of the descriptor's name."""
+        mesh, group = target.data, target.vertex_groups.get(name)
+        if group is not None and not is_own_group(target, group):
+            raise InputError(
+                f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed '
+                "since; rename it first."
+            )
+        weights = shares(mesh, name)
+        active = target.vertex_groups.active_index
+        if group is None:
+            group = target.vertex_groups.new(name=name)
+            if active >= 0:
+                target.vertex_groups.active_index = active
+        remember(mesh, "groups", name)
+        for vertex, weight in enumerate(weights.tolist()):
+            group.add((vertex,), weight, "REPLACE")
+        ownership.leave_weights(mesh, name, weights)
         return translation.said('Wrote the vertex group "{name}"').format(name=name)
 
 
@@ -256,7 +236,13 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
 
     def write(self, target: bpy.types.Object, name: str) -> str:
         """Fills the mask."""
-        sculpt_mask(target, name, self.replace)
+        weights = shares(target.data, name)
+        if sculpt_masks.is_painted(target.data) and not self.replace:
+            raise InputError(
+                f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode '
+                "first."
+            )
+        sculpt_masks.write(target, weights)
         return translation.said("Wrote {name} into the sculpt mask").format(name=name)
 
 
