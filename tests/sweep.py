@@ -150,7 +150,7 @@ def bakes(
                     return job.run(arrays, replace(settings, descriptors=asked, backend="reference"))
 
                 try:
-                    check(job.run_on(context, mesh, arrays, settings), row, reference)
+                    check(job.run_on(mesh, arrays, settings), row, reference)
                 except ParadescError as error:  # also an error of OpenGL
                     row.findings.append(error.sentence)
                 row.seconds = time.perf_counter() - start

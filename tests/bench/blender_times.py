@@ -83,7 +83,7 @@ def overhead(target: bpy.types.Object, backend: str) -> dict[str, float]:
             read = time.perf_counter() - start
             native, start = border.seconds, time.perf_counter()
             with context.mesh(arrays) as made:
-                results = job.run_on(context, made, arrays, settings)
+                results = job.run_on(made, arrays, settings)
             between = time.perf_counter() - start - (border.seconds - native)
             if NAME not in mesh.attributes:
                 mesh.attributes.new(NAME, "FLOAT", "POINT")

@@ -275,7 +275,7 @@ def run(
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
 
         def compute(chosen: Settings) -> Results:
-            return run_on(context, mesh, arrays, chosen, progress, with_buffers)
+            return run_on(mesh, arrays, chosen, progress, with_buffers)
 
         return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
 
@@ -326,7 +326,6 @@ def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
 
 
 def run_on(
-    context: bridge.Context,
     mesh: bridge.Mesh,
     arrays: bridge.MeshArrays,
     settings: Settings,
@@ -335,7 +334,7 @@ def run_on(
 ) -> Results:
     """Computes the descriptors on a native mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
-    results = run_radii(context, mesh, settings, computing, with_buffers)
+    results = run_radii(mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
     if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
@@ -361,11 +360,7 @@ def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressF
 
 
 def run_radii(
-    context: bridge.Context,
-    mesh: bridge.Mesh,
-    settings: Settings,
-    progress: ProgressFunction | None,
-    with_buffers: bool,
+    mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None, with_buffers: bool
 ) -> Results:
     """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)

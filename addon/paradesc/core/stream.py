@@ -72,7 +72,7 @@ class Stream:
         arrays = self.moved(positions, corner_normals, corner_tangents)
         mesh = self.mesh_at(arrays, progress)
         try:
-            results = job.run_on(self._context, mesh, arrays, self.settings, progress)
+            results = job.run_on(mesh, arrays, self.settings, progress)
         except BaseException as error:
             self.forget()  # a layout may have been made whose report is lost
             self._lease.failed(error)

@@ -46,8 +46,8 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
         arrays, side = centers_for(arrays, settings, size)
     at_texels, at_vertices = with_texels(settings, side), with_texels(settings, side, "vertex")
     with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-        results = job.run_on(context, mesh, arrays, at_vertices, job.span_of(progress, 0.0, VERTICES))
-        of_texels = job.run_on(context, mesh, arrays, at_texels, job.span_of(progress, VERTICES, 1.0))
+        results = job.run_on(mesh, arrays, at_vertices, job.span_of(progress, 0.0, VERTICES))
+        of_texels = job.run_on(mesh, arrays, at_texels, job.span_of(progress, VERTICES, 1.0))
     return joined(results, of_texels)
 
 
@@ -60,7 +60,7 @@ def fitted(arrays: MeshArrays, settings: job.Settings, progress: ProgressFunctio
     with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
 
         def compute(chosen: job.Settings) -> job.Results:
-            return job.run_on(context, mesh, arrays, with_texels(chosen, SMALL_SIDE), progress)
+            return job.run_on(mesh, arrays, with_texels(chosen, SMALL_SIDE), progress)
 
         small = fitting.narrowed(settings, compute, attrgetter("maps"))
     return replace(settings, options=replace(settings.options, radius=small.settings.options.radius))

@@ -55,7 +55,12 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, ModalJob, bpy.types.Operator):
         if not self.report_pieces(batch):
             return {"CANCELLED"}
         viewports.reveal(context)
-        self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch) + skipped_clause(self.skipped))
+        sentence = bake_sentence(batch)
+        if self.skipped:
+            names = ", ".join(f'"{name}"' for name in self.skipped[:LISTED]) + (", …" if self.skipped[LISTED:] else "")
+            clause = translation.said("; {count} skipped, not meshes: {names}")
+            sentence += clause.format(count=len(self.skipped), names=names)
+        self.report({"WARNING" if batch.failed else "INFO"}, sentence)
         return {"FINISHED"}
 
 
@@ -83,14 +88,6 @@ def bake_sentence(batch: Batch) -> str:
     lost = ", ".join(f'"{piece.name}"' for piece in batch.failed)
     some = {"count": len(written), "whole": len(batch.pieces), "line": line, "lost": lost}
     return translation.said("{count} of {whole} meshes, {line}; without {lost}").format(**some)
-
-
-def skipped_clause(names: list[str]) -> str:
-    """The clause of a bake's line that names the skipped objects; "" if there are none."""
-    listed = ", ".join(f'"{name}"' for name in names[:LISTED]) + (", …" if len(names) > LISTED else "")
-    if not names:
-        return ""
-    return translation.said("; {count} skipped, not meshes: {names}").format(count=len(names), names=listed)
 
 
 class PARADESC_OT_make_local(bpy.types.Operator):
