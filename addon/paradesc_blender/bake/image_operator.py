@@ -44,11 +44,7 @@ class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
     bl_idname = "paradesc.bake_image"
     bl_label = "Bake to Image"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the selected meshes cannot be read, or ""."""
-        return targets.reading_obstacle(context)
+    obstacle = staticmethod(targets.reading_obstacle)
 
 
 class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):

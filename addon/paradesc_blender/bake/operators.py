@@ -57,7 +57,8 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, ModalJob, bpy.types.Operator):
         viewports.reveal(context)
         sentence = bake_sentence(batch)
         if self.skipped:
-            names = ", ".join(f'"{name}"' for name in self.skipped[:LISTED]) + (", …" if self.skipped[LISTED:] else "")
+            names = ", ".join(f'"{name}"' for name in self.skipped[:LISTED])
+            names += ", …" if len(self.skipped) > LISTED else ""
             clause = translation.said("; {count} skipped, not meshes: {names}")
             sentence += clause.format(count=len(self.skipped), names=names)
         self.report({"WARNING" if batch.failed else "INFO"}, sentence)

@@ -75,11 +75,8 @@ def make_storage(target: bpy.types.Object) -> None:
 
 def sculpts_multires(target: bpy.types.Object) -> bool:
     """Whether strokes change the levels of Multires, which add-ons cannot access."""
-    for modifier in target.modifiers:
-        levels = modifier.type == "MULTIRES" and modifier.show_viewport and modifier.sculpt_levels > 0
-        if levels and not modifier.use_sculpt_base_mesh:
-            return True
-    return False
+    shown = (item for item in target.modifiers if item.type == "MULTIRES" and item.show_viewport)
+    return any(item.sculpt_levels > 0 and not item.use_sculpt_base_mesh for item in shown)
 
 
 def multires_obstacle(target: bpy.types.Object) -> str:

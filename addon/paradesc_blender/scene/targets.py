@@ -100,9 +100,8 @@ def obstacle(context: bpy.types.Context) -> str:
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
-    found = chosen(context)
-    refused = [sentence for sentence in map(unwritable, found) if sentence]
-    return refused[0] if len(refused) == len(found) else ""
+    refused = [unwritable(target) for target in chosen(context)]
+    return refused[0] if all(refused) else ""
 
 
 def unwritable(target: bpy.types.Object) -> str:

@@ -157,8 +157,9 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
         """The purpose of the preset, or the reason why it cannot be used, as a tooltip."""
-        row = preset_folders.row_at(Path(asked.filepath))
-        sentence = "" if row is None else row.fault or row.purpose
+        path = Path(asked.filepath)
+        rows = [row for row in preset_folders.rows_in(path.parent) if row.path == path]
+        sentence = rows[0].fault or rows[0].purpose if rows else ""
         return translation.tooltip(sentence.rstrip(".") or cls.__doc__)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -282,8 +283,8 @@ def remove(name: str) -> str:
     paths = [row.path for row in rows if row.name == name] if name else chosen
     if not paths:
         return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
-    path = paths[0]
-    if not preset_folders.is_own(path):
+    path, own = paths[0], preset_folders.own_folder()
+    if own is None or not preset_folders.same_place(path.parent, own):
         return f'"{path.name}" is not one of your presets, so it is not removed.'
     path.unlink(missing_ok=True)
     preset_folders.forget()

@@ -55,9 +55,11 @@ class WearJob(Pieces):
         try:
             group.descriptors, group.more_radii = set(wear.MASKS.values()), ""
             group.image_packed, group.image_to_material = False, True
-            self.batches = [
-                batch_of(kind, context, found) for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)) if found
-            ]
+            self.batches = []
+            for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)):
+                if found:
+                    with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
+                        self.batches.append(kind(bpy.context))
         finally:
             before.restore()
         self.batch = self.batches[0]  # the one under way
@@ -87,12 +89,6 @@ class WearJob(Pieces):
             one.close()
 
 
-def batch_of(kind: type, context: bpy.types.Context, found: list[bpy.types.Object]) -> Pieces:
-    """A batch for some of the chosen objects."""
-    with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
-        return kind(bpy.context)
-
-
 class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
     """Bake cavity and edge wear, and add dirt and worn edges to the active materials of the selected objects"""
 
@@ -114,14 +110,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the selected meshes cannot be read or written, or ""."""
-        sentence = targets.reading_obstacle(context)
-        if sentence:
-            return sentence
-        refused = [targets.unwritable(target) for target in targets.chosen(context)]
-        return refused[0] if all(refused) else ""
+    obstacle = staticmethod(targets.obstacle)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> WearJob:
         """Makes the job; raises at once if no material of the selection can get wear."""
