@@ -145,10 +145,8 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a selected object that can be converted to a mesh."""
-        found = bool(targets.skipped(context))
-        if not found:
-            cls.poll_message_set(translation.tooltip("Select text, curves, surfaces or metaballs in object mode first"))
-        return found
+        missing = "Select text, curves, surfaces or metaballs in object mode first"
+        return translation.can_run(cls, "" if targets.skipped(context) else missing)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Converts the objects in place, as Blender does. Selection and active object stay."""

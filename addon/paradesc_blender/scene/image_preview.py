@@ -13,6 +13,7 @@ from bpy.app.handlers import persistent
 from mathutils import Matrix
 
 from ..settings import hooks, preferences
+from ..settings.looks import redraw
 from .arrays import read_array
 from .unwrap import read_uvs
 
@@ -96,14 +97,6 @@ def hide(target: bpy.types.Object | None = None) -> None:
     else:
         _shown.pop(key_of(target), None)
     redraw()
-
-
-def redraw() -> None:
-    """Redraws all 3D viewports."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 @persistent
