@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc.core import fitting, job  # noqa: E402
-from paradesc_blender.animation import handlers  # noqa: E402
+from paradesc_blender.animation import sessions  # noqa: E402
 from paradesc_blender.scene import record, source_meshes, targets  # noqa: E402
 from paradesc_blender.settings import presets  # noqa: E402
 from paradesc_blender.ui import panel, report_panel, result  # noqa: E402
@@ -253,7 +253,7 @@ def test_the_switch_beside_the_button_is_live_mode():
     live = target.paradesc_live
     live.follows = True
     assert live.mode == "LIVE"
-    seconds = handlers.session_at(target).seconds
+    seconds = sessions.session_at(target).seconds
     lines = drawn_lines(target)
     assert lines == [f"Live: {1e3 * sum(seconds.values()):.0f} ms a frame"]
     live.follows = False

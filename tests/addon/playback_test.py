@@ -10,7 +10,7 @@ import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import frames, handlers  # noqa: E402
+from paradesc_blender.animation import frames, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
 from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from paradesc_blender.ui import report_panel  # noqa: E402
@@ -51,7 +51,7 @@ def radius_now(target):
 
 def note(target):
     """What the panel says."""
-    return handlers.session_at(target).note
+    return sessions.session_at(target).note
 
 
 def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkeypatch):

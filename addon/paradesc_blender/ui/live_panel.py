@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..animation import handlers, live, surfaces
+from ..animation import handlers, live, sessions, surfaces
 from ..scene import targets
 from ..settings import looks
 from ..settings.translation import label
@@ -50,10 +50,10 @@ def live_sentence(target: bpy.types.Object) -> str:
     if target.paradesc_live.sentence:
         return target.paradesc_live.sentence
     if target.paradesc_live.mode != "OFF":
-        waiting, other = surfaces.waiting_sentence(target), handlers.holder_of(target)
+        waiting, other = surfaces.waiting_sentence(target), sessions.holder_of(target)
         if waiting or other is not None:
             return waiting or handlers.shared_sentence(other)
-        session, simulation = handlers.session_at(target), live.unbaked_simulation(target)
+        session, simulation = sessions.session_at(target), live.unbaked_simulation(target)
         if session is not None and session.note:
             return session.note
         if simulation:
@@ -82,7 +82,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     """Draws the time that the last frame took."""
-    session = handlers.session_at(target)
+    session = sessions.session_at(target)
     if session is None or not session.seconds:
         return
     total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)

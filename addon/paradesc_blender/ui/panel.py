@@ -5,7 +5,7 @@ import bpy
 from paradesc import bridge
 from paradesc.core import advice, choices, spaces
 
-from ..animation import handlers
+from ..animation import sessions
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, progress_text
 from ..bake.pieces import Pieces
@@ -144,7 +144,7 @@ def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     target = targets.first(context)
     if target is None:
         return
-    sentence, session = live_sentence(target), handlers.session_at(target)
+    sentence, session = live_sentence(target), sessions.session_at(target)
     if sentence:
         sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")
     elif target.paradesc_live.follows and session is not None and session.seconds:
