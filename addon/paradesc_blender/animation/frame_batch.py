@@ -1,7 +1,7 @@
 """Bakes frames of several objects into their caches, one object after the other, without blocking the window."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -45,9 +45,16 @@ class FrameBatch(Pieces):
         self.next = 0  # how many of the wanted frames of the current object have been begun
         self.baker: frames.FrameBaker | None = None
         self.scene_name, self.former = scene.name, (scene.frame_current, scene.frame_subframe)
-        self._held = ExitStack()
-        self._held.callback(self.come_back)
-        self._held.enter_context(pausing.held())
+
+    def work(self) -> Work:
+        """Bakes all objects while live values wait, and comes back to the former frame, cancelled or not."""
+        try:
+            with pausing.held():
+                yield from super().work()
+        finally:
+            scene, (frame, part) = bpy.data.scenes.get(self.scene_name), self.former
+            if scene is not None:
+                scene.frame_set(frame, subframe=part)
 
     @property
     def fraction(self) -> float:
@@ -99,17 +106,6 @@ class FrameBatch(Pieces):
                 else:
                     yield from computed(partial(baker.run, task), "paradesc frames")
                     piece.made += 1
-
-    def close(self) -> None:
-        """Cancels the rest, ends the wait of live values, and returns to the former frame. Safe to call again."""
-        super().close()
-        self._held.close()
-
-    def come_back(self) -> None:
-        """Returns to the former frame."""
-        scene, (frame, part) = bpy.data.scenes.get(self.scene_name), self.former
-        if scene is not None:
-            scene.frame_set(frame, subframe=part)
 
     def hold_ranges(self) -> None:
         """Stores color ranges that span all baked frames of all objects, for live and played objects of the scene."""

@@ -38,9 +38,8 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
 
     def finish(self, _context: bpy.types.Context) -> set[str]:
-        """Returns to the former frame, makes colors span all frames, and reports which frames exist now."""
+        """Makes colors span all frames, and reports which frames exist now."""
         batch = self.job
-        batch.close()
         if not self.report_pieces(batch):
             return {"CANCELLED"}
         batch.hold_ranges()

@@ -35,7 +35,6 @@ class TextureBake(Piece):
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
     images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
-    placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
 
     def result(self, size: int) -> image_results.ImageBake:
@@ -203,5 +202,4 @@ class ImageBatch(Pieces):
             return images.from_memory(place, tiles, owner["object"])
         for own, content in zip(map(self.folder.joinpath, names), tiles.values(), strict=True):
             write_whole(own, content, Path.write_bytes)
-            piece.placed.append(own)
         return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
