@@ -76,10 +76,12 @@ class SceneSource:
     @contextmanager
     def detailed(self) -> Iterator[list[bpy.types.Object]]:
         """The scene's objects, or those of --from-file, which are in the scene until the end."""
-        other = self.arguments.from_file
-        with scene_io.without_added():
-            there = scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
-            yield there
+        other, before = self.arguments.from_file, set(bpy.data.objects)
+        try:
+            yield scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
+        finally:  # data that only they use is then not saved
+            for item in set(bpy.data.objects) - before:
+                bpy.data.objects.remove(item)
 
     def named(self, there: list[bpy.types.Object], names: list[str]) -> list[bpy.types.Object]:
         """The objects of these names; of another file also by the numbers that Blender adds."""

@@ -67,17 +67,6 @@ def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
 
 
 @contextmanager
-def without_added() -> Iterator[None]:
-    """Removes, at the end, the objects that were added meanwhile. Data that only they use is then not saved."""
-    before = set(bpy.data.objects)
-    try:
-        yield
-    finally:
-        for item in set(bpy.data.objects) - before:
-            bpy.data.objects.remove(item)
-
-
-@contextmanager
 def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
     """Yields a sound file's absolute path and its least number of faces; raises one sentence on any error.
 
