@@ -33,7 +33,8 @@ def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image
     for other in there:
         if other != image:
             other.reload()
-    place(image, path)
+    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+        image.filepath_raw = bpy.path.relpath(str(path))
     image[OBJECT] = name
     return as_data(image) if made else image
 
@@ -47,7 +48,8 @@ def at_path(path: Path) -> list[bpy.types.Image]:
 
 def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
     """Loads a file, or UDIM tiles, into an image; a tiled image has exactly these tiles afterwards."""
-    unpack(image)
+    if image.packed_file is not None or len(image.packed_files):
+        image.unpack(method="REMOVE")  # a reload would keep packed contents
     image.source = "FILE" if tiles == [None] else "TILED"
     image.filepath_raw = str(path)
     image.reload()  # which takes in all tiles that lie there, of earlier bakes too
@@ -60,18 +62,6 @@ def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
         image.tiles.new(tile_number=number)
     image.tiles.active_index = 0
     image.alpha_mode = image.alpha_mode  # has Blender read the files of these tiles
-
-
-def unpack(image: bpy.types.Image) -> None:
-    """Removes packed contents, which a reload would keep."""
-    if image.packed_file is not None or len(image.packed_files):
-        image.unpack(method="REMOVE")
-
-
-def place(image: bpy.types.Image, path: Path) -> None:
-    """Makes the image's path relative to the .blend, if the preferences ask for relative paths."""
-    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
-        image.filepath_raw = bpy.path.relpath(str(path))
 
 
 def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:

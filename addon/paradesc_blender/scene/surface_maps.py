@@ -135,20 +135,14 @@ def read_displacement_node(
     maps.midlevel = constant(material, node, "Midlevel")
     maps.scale = constant(material, node, "Scale")
     if node.space == "WORLD":
-        maps.scale /= uniform_scale(target)
+        scale = spaces.scales(target.matrix_world)
+        if scale.min() <= 0 or not spaces.is_even(target.matrix_world):
+            raise InputError(
+                f'The object "{target.name}" is scaled differently along its axes, which its displacement in world '
+                "space cannot follow; apply the scale, or set the Displacement node to object space."
+            )
+        maps.scale /= float(scale.mean())
     return displacement_notes(image.name, maps, image.is_float)
-
-
-def uniform_scale(target: bpy.types.Object) -> float:
-    """The uniform scale factor from the mesh's units to the world's."""
-    matrix = target.matrix_world
-    scale = spaces.scales(matrix)
-    if scale.min() <= 0 or not spaces.is_even(matrix):
-        raise InputError(
-            f'The object "{target.name}" is scaled differently along its axes, which its displacement in world space '
-            "cannot follow; apply the scale, or set the Displacement node to object space."
-        )
-    return float(scale.mean())
 
 
 def read_normal_node(
