@@ -171,7 +171,7 @@ class Session:
         fresh_on_mesh = fresh or self.unpainted
         self.painter.carried = self.done.vertices is not None
         extras = list(mesh_io.extras_on(target.data, self.results))
-        changed = painting.paint(self.painter, target, self.values(self.own(), extras), ranges, fresh_on_mesh)
+        changed = self.painter.paint(target, self.values(self.own(), extras), ranges, fresh_on_mesh)
         self.unpainted = False
         rendering = depsgraph is not None and depsgraph.mode == "RENDER"
         if self.painter.carried and (changed or fresh_on_mesh):

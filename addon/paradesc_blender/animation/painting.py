@@ -1,6 +1,7 @@
 """Writes values and their colors to the attributes of a mesh, frame after frame, with ranges that stay."""
 
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 
 import bpy
@@ -40,30 +41,31 @@ class Painter:
     at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
     carried: bool = False  # the values of other vertices are shown, and those of the mesh lie below them
 
-    def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
-        """Fills the attributes, and adds missing ones; False if they hold these values already."""
-        complete = self.is_complete(mesh, values)
+    def paint(self, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
+        """Fills the attributes of the object's mesh, and adds missing ones; False if they hold these values already.
+
+        Sculpt mode is left for a moment only where attributes are missing.
+        """
+        mesh, has_places = target.data, self.at.keys() == {*values.shown, *values.extras}
+        complete = has_places and has_all(mesh, values.names(self.at))
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
-        if not complete or ranges != self.ranges:
-            others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
-            mesh_io.make_attributes(mesh, values.names(self.at))
-            self.tables = {name: color_table(shown) for name, shown in ranges.items()}
-            self.ranges = ranges
-            leave_record(mesh, values, ranges, self.at)
-            if others and others != self.at:  # another mask was chosen
-                self.reveal(mesh, values)
-        ownership.forget(mesh, values.names(self.at))
-        if not self.carried:
-            carrying.release(mesh, values.names(self.at))
-        self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
-        for name, array in self.written.items():
-            arrays.set_values(mesh.attributes[name], array)
+        with nullcontext() if complete or target.mode != "SCULPT" else modes.object_mode(target):
+            if not complete or ranges != self.ranges:
+                others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
+                mesh_io.make_attributes(mesh, values.names(self.at))
+                self.tables = {name: color_table(shown) for name, shown in ranges.items()}
+                self.ranges = ranges
+                leave_record(mesh, values, ranges, self.at)
+                if others and others != self.at:  # another mask was chosen
+                    self.reveal(mesh, values)
+            ownership.forget(mesh, values.names(self.at))
+            if not self.carried:
+                carrying.release(mesh, values.names(self.at))
+            self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
+            for name, array in self.written.items():
+                arrays.set_values(mesh.attributes[name], array)
         return True
-
-    def is_complete(self, mesh: bpy.types.Mesh, values: Values) -> bool:
-        """Whether the mesh has an attribute for each of the values."""
-        return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
 
     def reveal(self, mesh: bpy.types.Mesh, values: Values) -> None:
         """Makes the most telling of the written colors active, unless one of the written colors is active already."""
@@ -92,16 +94,6 @@ class Painter:
             yield f"{self.at[name]}_color", colors(array, self.ranges[name], self.tables[name])
         for name, array in values.extras.items():
             yield self.at[name], np.ascontiguousarray(array, np.float32)
-
-
-def paint(
-    painter: Painter, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool
-) -> bool:
-    """Paints the object's mesh. Sculpt mode is left for a moment only where attributes are missing."""
-    if target.mode != "SCULPT" or painter.is_complete(target.data, values):
-        return painter.paint(target.data, values, ranges, fresh)
-    with modes.object_mode(target):
-        return painter.paint(target.data, values, ranges, fresh)
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:

@@ -67,7 +67,7 @@ class Player:
         if wanted != self.ranged:
             self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
-        changed = painting.paint(self.painter, target, self.values(), ranges, fresh)
+        changed = self.painter.paint(target, self.values(), ranges, fresh)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
