@@ -57,7 +57,7 @@ class ModalJob:
                 self.job.step(wait=True)
             return self.end(context)
         except BaseException:  # such as Ctrl-C
-            self.end(context, failed=True)
+            self.give_up()
             raise
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -85,21 +85,23 @@ class ModalJob:
             return False
         return True
 
-    def end(self, context: bpy.types.Context, failed: bool = False) -> set[str]:
-        """Finishes, unless the work was cancelled or has failed, and closes it.
-
-        If it produced nothing, the settings become what they were before begin() changed them.
-        """
-        ended = {"CANCELLED"}
-        if not failed:
-            if self.job.cancelled:
-                self.report({"INFO"}, translation.said(self.as_before))
-            else:
-                ended = self.finish(context)
-        self.job.close()
-        if ended != {"FINISHED"}:
-            self.before.restore()
+    def end(self, context: bpy.types.Context) -> set[str]:
+        """Finishes the work, unless it was cancelled."""
+        if self.job.cancelled:
+            self.report({"INFO"}, translation.said(self.as_before))
+            ended = {"CANCELLED"}
+        else:
+            ended = self.finish(context)
+        if ended == {"FINISHED"}:
+            self.job.close()
+        else:
+            self.give_up()
         return ended
+
+    def give_up(self) -> None:
+        """Closes work that produced nothing; the settings become what they were before begin() changed them."""
+        self.job.close()
+        self.before.restore()
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Shows progress, cancels on Esc, and finishes when all is done."""
@@ -124,7 +126,7 @@ class ModalJob:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Cleans up when Blender ends the operator itself, for example because another file is loaded."""
-        self.end(context, failed=True)
+        self.give_up()
         self.clean_up(context)
 
     def show_progress(self, context: bpy.types.Context) -> None:
