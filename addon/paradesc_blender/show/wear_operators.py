@@ -33,17 +33,8 @@ class VertexMasks(Batch):
         super().write(piece)
 
 
-class ImageMasks(ImageBatch):
-    """A bake of the masks as images, for meshes with too few vertices."""
-
-    def __init__(self, context: bpy.types.Context) -> None:
-        """Takes settings and selection, and the look of masks for shaders."""
-        super().__init__(context)
-        self.choice = replace(self.choice, look=mask_look(self.choice.look))
-
-
 class WearJob(Pieces):
-    """Bakes the masks of all chosen objects: one batch as vertex colors, one as images."""
+    """Bakes the masks of all chosen objects: one batch as vertex colors, one as images of those with few vertices."""
 
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes settings and selection. The panel's settings are changed for it only temporarily."""
@@ -56,10 +47,13 @@ class WearJob(Pieces):
             group.descriptors, group.more_radii = set(wear.MASKS.values()), ""
             group.image_packed, group.image_to_material = False, True
             self.batches = []
-            for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)):
+            for kind, found in ((VertexMasks, fine), (ImageBatch, coarse)):
                 if found:
                     with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
                         self.batches.append(kind(bpy.context))
+            if coarse:
+                choice = self.batches[-1].choice
+                self.batches[-1].choice = replace(choice, look=mask_look(choice.look))
         finally:
             before.restore()
         self.batch = self.batches[0]  # the one under way
