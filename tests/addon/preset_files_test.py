@@ -28,7 +28,7 @@ FAULTS = {
     "purpose": [(["a"], "not a line of at most 500")],
     "settings": [([], "that is not an object"), ({"samples": 3}, "from 8 to 4096"), ({"samples": 99.5}, "a whole number"),
                  ({"samples": True}, "a whole number"), ({"samples": None}, "a whole number from 8"),
-                 ({"samples": {"a": [1]}}, "a whole number from 8"), ({"descriptors": [["cavity"]]}, "a list of some of"),
+                 ({"samples": {"a": [1]}}, "a whole number"), ({"descriptors": [["cavity"]]}, "a list of some of"),
                  ({"descriptors": []}, "a list of some of"), ({"descriptors": ["wobble"]}, "a list of some of"),
                  ({"descriptors": "cavity"}, "a list of some of"), ({"normals": "odd"}, "one of fitted, max, mesh"),
                  ({"normals": ["max"]}, "one of fitted"), ({"radius_percent": 200}, "from 0.01 to 100"),
