@@ -47,7 +47,7 @@ def leave_weights(mesh: bpy.types.Mesh, name: str, weights: np.ndarray) -> None:
 
 def forget(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     """Drops the fingerprints of attributes whose values keep changing."""
-    known, gone = fingerprints(mesh) if PROPERTY in mesh else {}, set(names)
+    known, gone = fingerprints(mesh), set(names)
     if gone & known.keys():
         keep(mesh, {name: text for name, text in known.items() if name not in gone})
 

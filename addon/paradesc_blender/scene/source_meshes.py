@@ -39,9 +39,7 @@ class Reading:
     source: str
     vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
     own: bool = True  # every original vertex is among the arrays'
-    earlier: dict[str, np.ndarray] = field(
-        default_factory=dict
-    )  # values of earlier bakes that are carried, by attribute
+    earlier: dict[str, np.ndarray] = field(default_factory=dict)  # values of earlier bakes that are carried
     notes: list[str] = field(default_factory=list)
 
     @property

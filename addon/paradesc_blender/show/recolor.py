@@ -189,7 +189,8 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     def prepare(self, context: bpy.types.Context, found: list[bpy.types.Object]) -> None:
         """Keeps the colors of the scene, in the scale that all meshes share if they do."""
         if not choices.look_fault(context.scene.paradesc_looks):
-            self.look = shared_look(context.scene, [(item, name) for item in found for name in self.names_of(item.data)])
+            shown = [(item, name) for item in found for name in self.names_of(item.data)]
+            self.look = shared_look(context.scene, shown)
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Recolors one descriptor, or all of this mesh."""
