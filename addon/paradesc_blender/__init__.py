@@ -23,8 +23,7 @@ bl_info = {
 
 __version__ = ".".join(map(str, bl_info["version"]))
 
-# The modules are listed in the order in which they depend on each other. Each has a tuple of classes, and register()
-# and unregister() if it needs more.
+# The modules are listed in the order in which they depend on each other. settings/hooks.py says what each may have.
 MODULES = (
     "settings.translation",
     "settings.asset_library",
@@ -45,15 +44,12 @@ MODULES = (
     "ui.panel",
     "ui.settings_panel",
     "ui.report_panel",
-    "ui.image_panel",
     "settings.looks",
     "show.recolor",
     "show.materials",
     "show.geometry_nodes",
     "show.wear_operators",
     "show.channels",
-    "show.copies",
-    "ui.wear_panel",
     "ui.looks_panel",
     "ui.menus",
     "show.overlay",
@@ -63,7 +59,7 @@ MODULES = (
     "ui.animation_panel",
     "ui.live_panel",
     "animation.handlers",
-    "cli_command",
+    "source",
 )
 
 
@@ -88,18 +84,16 @@ def register() -> None:
     """Registers every module's classes, then its further additions; if an import fails, a stand-in that says why."""
     try:
         check_version()
+        from .settings import hooks
+
         found = modules()
     except ImportError as error:
         from .ui import failure  # which needs nothing of the package
 
         failure.register(error)
         return
-    in_our_context = import_module(".settings.translation", __name__).in_our_context
     for module in found:
-        for cls in module.classes:
-            bpy.utils.register_class(in_our_context(cls))
-        if hasattr(module, "register"):
-            module.register()
+        hooks.add(module)
     if not bpy.app.binary_path:
         atexit.unregister(end)
         atexit.register(end, [cls for module in found for cls in module.classes])
@@ -111,16 +105,15 @@ def unregister() -> None:
 
     if failure.unregister() or not hasattr(bpy.types.Scene, "paradesc"):
         return
+    from .settings import hooks
+
     for module in reversed(modules()):
-        if hasattr(module, "unregister"):
-            module.unregister()
-        for cls in reversed(module.classes):
-            bpy.utils.unregister_class(cls)
+        hooks.remove(module)
 
 
 def end(classes: list[type]) -> None:
     """Unregisters everything: bpy would crash at exit if classes or properties with callbacks remained registered."""
-    from .settings.leaving import clear
+    from .settings import hooks
 
     unregister()
-    clear(classes)
+    hooks.clear(classes)

@@ -1,4 +1,7 @@
-"""Blender's scene as the commands see it: the twin of FileSource in paradesc/commands/sources.py."""
+"""Blender's scene as the commands see it, the twin of FileSource in paradesc/commands/sources.py.
+
+It also adds the command line of an enabled add-on, `blender -c paradesc …`, which exists since Blender 4.2.
+"""
 
 import argparse
 from collections.abc import Iterator
@@ -8,8 +11,9 @@ from pathlib import Path
 
 import bpy
 
-from paradesc.commands.common import UsageError, saves_scene
+from paradesc.commands.common import BLENDER, UsageError, saves_scene
 from paradesc.commands.file_reading import map_sources
+from paradesc.commands.main import main
 from paradesc.commands.sources import Opened, Subject
 from paradesc.core import job
 from paradesc.core.color_maps import Look
@@ -20,7 +24,7 @@ from paradesc.files.results import Baked
 
 from .animation import frames
 from .scene import delivery, mesh_io, record, scene_io, targets
-from .settings import animation, leaving, looks, preset_folders, properties
+from .settings import animation, hooks, looks, preset_folders, properties
 from .settings.looks import scene_look
 
 
@@ -72,10 +76,12 @@ class SceneSource:
     @contextmanager
     def detailed(self) -> Iterator[list[bpy.types.Object]]:
         """The scene's objects, or those of --from-file, which are in the scene until the end."""
-        other = self.arguments.from_file
-        with scene_io.without_added():
-            there = scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
-            yield there
+        other, before = self.arguments.from_file, set(bpy.data.objects)
+        try:
+            yield scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
+        finally:  # data that only they use is then not saved
+            for item in set(bpy.data.objects) - before:
+                bpy.data.objects.remove(item)
 
     def named(self, there: list[bpy.types.Object], names: list[str]) -> list[bpy.types.Object]:
         """The objects of these names; of another file also by the numbers that Blender adds."""
@@ -125,10 +131,7 @@ class SceneSource:
         read.notes += [*read.warnings, *read.map_notes]
         return read
 
-    def read_high(self, target: bpy.types.Object, settings: job.Settings) -> targets.Read:
-        """Reads a detailed object."""
-        with quiet(self.arguments.verbose):
-            return self.read(target, settings)
+    read_high = read  # a detailed object
 
     def check_writable(self, chosen: list[bpy.types.Object]) -> None:
         """Refuses objects whose meshes cannot take results."""
@@ -214,17 +217,32 @@ def scene_settings() -> Iterator[bpy.types.Scene]:
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene
         return
-    groups = (looks.PARADESC_PG_looks, animation.PARADESC_PG_animation)
     modules = (properties, looks, animation)
-    leaving.clear_at_end(list(groups))
-    for cls in groups:
-        bpy.utils.register_class(cls)
+    hooks.clear_at_end([*looks.classes, *animation.classes])
     for module in modules:
-        module.register()
+        hooks.add(module)
     try:
         yield bpy.context.scene
     finally:
         for module in modules:
-            module.unregister()
-        for cls in groups:
-            bpy.utils.unregister_class(cls)
+            hooks.remove(module)
+
+
+classes = ()
+# The handle that Blender returned for the command, which is needed to remove the command.
+handles: list[object] = []
+
+
+def register() -> None:
+    """Lets commands read the scene by this add-on, and adds the command, if this Blender has commands."""
+    BLENDER.append(SceneSource)
+    if hasattr(bpy.utils, "register_cli_command"):
+        handles.append(bpy.utils.register_cli_command("paradesc", main))
+
+
+def unregister() -> None:
+    """Removes both."""
+    while SceneSource in BLENDER:
+        BLENDER.remove(SceneSource)
+    while handles:
+        bpy.utils.unregister_cli_command(handles.pop())

@@ -190,7 +190,7 @@ def test_live_values_of_a_mesh_without_a_uv_map_are_the_processors(unwraps, regi
     import bpy
 
     from live_values import switch
-    from paradesc_blender.animation import handlers
+    from paradesc_blender.animation import sessions
     from scene import add_sphere
 
     target = add_sphere(steps=12, uv_map=False)
@@ -199,7 +199,7 @@ def test_live_values_of_a_mesh_without_a_uv_map_are_the_processors(unwraps, regi
     group.radius_percent, group.samples = 8.0, 64
     assert switch(target) == ""
     bpy.context.scene.frame_set(2)
-    session = handlers.session_at(target)
+    session = sessions.session_at(target)
     assert session is not None
     assert session.results.backend == "cpu"
     assert unwraps == []

@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc.core import fitting, job  # noqa: E402
-from paradesc_blender.animation import handlers  # noqa: E402
+from paradesc_blender.animation import sessions  # noqa: E402
 from paradesc_blender.scene import record, source_meshes, targets  # noqa: E402
 from paradesc_blender.settings import presets  # noqa: E402
 from paradesc_blender.ui import panel, report_panel, result  # noqa: E402
@@ -104,12 +104,12 @@ def test_masks_are_grey_and_values_with_a_sign_have_two_colors(name):
 
 def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
     group = bpy.context.scene.paradesc
-    assert presets.chosen_masks(group) == ["cavity", "edge_wear"]  # of a new scene
+    assert presets.masks_of(group.descriptors) == ["cavity", "edge_wear"]  # of a new scene
     for name in presets.MASKS:
-        presets.apply(group, name)
-        assert presets.chosen_masks(group) == [name]
+        bpy.ops.paradesc.preset(name=name)
+        assert presets.masks_of(group.descriptors) == [name]
     group.descriptors = {"cavity", "shape_index"}
-    assert presets.chosen_masks(group) == []
+    assert presets.masks_of(group.descriptors) == []
 
 
 def test_shift_bakes_several_masks_and_one_stays():
@@ -121,7 +121,7 @@ def test_shift_bakes_several_masks_and_one_stays():
         (True, "cavity", ["cavity"]),
     ):
         bpy.ops.paradesc.mask(name=name, extend=extend)
-        assert presets.chosen_masks(group) == expected
+        assert presets.masks_of(group.descriptors) == expected
 
 
 def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
@@ -253,7 +253,7 @@ def test_the_switch_beside_the_button_is_live_mode():
     live = target.paradesc_live
     live.follows = True
     assert live.mode == "LIVE"
-    seconds = handlers.session_at(target).seconds
+    seconds = sessions.session_at(target).seconds
     lines = drawn_lines(target)
     assert lines == [f"Live: {1e3 * sum(seconds.values()):.0f} ms a frame"]
     live.follows = False

@@ -17,7 +17,8 @@ from live_values import (  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
+from paradesc_blender.animation import frame_batch, live, pausing, sessions  # noqa: E402
+from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from paradesc_blender.settings import looks  # noqa: E402
 from scene import add_sphere, fingerprint  # noqa: E402
 
@@ -42,14 +43,14 @@ def pair(tmp_path):
 
 def folders(pair):
     """The folders of the frames of both."""
-    return [cache_places.object_cache(bpy.context.scene, item) for item in pair]
+    return [animation_settings.object_cache(bpy.context.scene, item) for item in pair]
 
 
 def batch(beside=True):
     """Begins a bake of frames as the operator does."""
     scene = bpy.context.scene
     return frame_batch.FrameBatch(
-        bpy.context, cache_places.wanted_frames(scene), cache_places.cache_root(scene), beside
+        bpy.context, animation_settings.wanted_frames(scene), animation_settings.cache_root(scene), beside
     )
 
 
@@ -176,7 +177,7 @@ def test_live_values_wait_while_frames_are_baked_and_are_right_after(pair, monke
     assert np.array_equal(values(large), baked_shape(large, live_settings(large)).values[NAME])
     bpy.context.scene.frame_set(3)
     assert len(done) == 1
-    assert isinstance(handlers.session_at(large), live.Session)
+    assert isinstance(sessions.session_at(large), live.Session)
 
 
 def test_frames_wait_for_no_mode_but_those_that_hold_the_mesh(pair):
@@ -208,5 +209,5 @@ def test_live_values_say_nothing_of_numbers_without_effect(pair, capfd):
     bpy.context.scene.paradesc.backend = "cpu"
     assert switch(pair[0]) == ""
     bpy.context.scene.frame_set(2)
-    assert handlers.session_at(pair[0]).results.backend == "cpu"
+    assert sessions.session_at(pair[0]).results.backend == "cpu"
     assert "ignored on the processor" not in capfd.readouterr().out

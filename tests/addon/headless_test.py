@@ -27,7 +27,7 @@ from paradesc.commands import (  # noqa: E402
 from paradesc.commands.main import make_parser  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.files import results  # noqa: E402
-from paradesc_blender import cli_command  # noqa: E402
+from paradesc_blender import source  # noqa: E402
 from scene import add_sphere, empty_scene, saved_scene  # noqa: E402
 
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")
@@ -338,11 +338,11 @@ def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphe
 
     monkeypatch.setattr(bpy.utils, "register_cli_command", keep, raising=False)
     monkeypatch.setattr(bpy.utils, "unregister_cli_command", taken.append, raising=False)
-    cli_command.register()
+    source.register()
     assert known["paradesc"](["bake", str(sphere_obj), *QUICK, "--output", "out.npz"]) == 0
     assert known["paradesc"](["bake", "nothing.obj", "--output", "out.npz"]) == common.EXIT_INPUT
-    cli_command.unregister()
-    cli_command.unregister()
+    source.unregister()
+    source.unregister()
     assert taken == ["paradesc"]
 
 
@@ -370,8 +370,8 @@ def test_enabled_addon_answers_to_blenders_own_command_option(tmp_path, sphere_o
 
 def test_older_blender_without_commands_is_left_alone(monkeypatch):
     monkeypatch.delattr(bpy.utils, "register_cli_command", raising=False)
-    cli_command.register()
-    assert cli_command.handles == []
+    source.register()
+    assert source.handles == []
 
 
 SCRIPT = """

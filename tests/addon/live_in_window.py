@@ -18,9 +18,10 @@ sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 import deforming  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import cache_places, handlers, live, pausing  # noqa: E402
+from paradesc_blender.animation import live, pausing, sessions  # noqa: E402
 from paradesc_blender.bake import modal  # noqa: E402
 from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, baking, begin, prepare, say, view_context, wait_for  # noqa: E402
 
@@ -57,14 +58,14 @@ def edit_steps() -> Iterator[None]:
     key.value = 0.5
     yield from wait_for(follows(3.0))
     say("followed an edit")
-    before = handlers.session_at(target()).results
+    before = sessions.session_at(target()).results
     with bpy.context.temp_override(**view_context()):
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.transform.resize(value=(1.5, 1.5, 1.5))
     for _ in range(8):
         yield
-    assert handlers.session_at(target()).results is before, "computed while the mesh was being edited"
+    assert sessions.session_at(target()).results is before, "computed while the mesh was being edited"
     with bpy.context.temp_override(**view_context()):
         bpy.ops.object.mode_set(mode="OBJECT")
     yield from wait_for(lambda: not follows(3.0)())
@@ -119,7 +120,7 @@ def later_steps() -> Iterator[None]:
     assert len(read) <= 1, f"the mesh was read {len(read)} times"  # Blender tells of an edit when playing begins
     with bpy.context.temp_override(**view_context()):
         bpy.ops.screen.animation_cancel(restore_frame=False)
-    yield from wait_for(lambda: follows(2.0 + 0.2 * (scene.frame_current - 1))() and handlers.STATE.edited_at is None)
+    yield from wait_for(lambda: follows(2.0 + 0.2 * (scene.frame_current - 1))() and sessions.STATE.edited_at is None)
     mesh_io.read_object = read_object
     scene.frame_set(4)
     assert follows(2.6)(), "a script has to find the values of its frame"
@@ -161,7 +162,7 @@ def bake_steps() -> Iterator[None]:
     scene.frame_set(2)
     compute = live.Session.compute
     live.Session.compute = lambda *words: (computed.append(1), compute(*words))[1]
-    folder = cache_places.object_cache(scene, target())
+    folder = animation_settings.object_cache(scene, target())
     yield from cancel_frames(folder)
     start_frames()
     yield from wait_for(lambda: len(cache.frames_in(folder)) == 3 and not pausing.is_held())
@@ -214,7 +215,7 @@ def render_steps(engine: str, frame: int, found: dict) -> Iterator[None]:
     key.value = 0.25
     with bpy.context.temp_override(**view_context()):
         assert bpy.ops.render.render("INVOKE_DEFAULT", write_still=True) == {"RUNNING_MODAL"}
-    yield from wait_for(lambda: path.is_file() and not handlers.STATE.rendering)
+    yield from wait_for(lambda: path.is_file() and not sessions.STATE.rendering)
     for _ in range(5):
         yield
     assert key.value == 0.25, f"F12 has made {key.value} of a value without a key"
@@ -245,7 +246,7 @@ def animation_steps(engine: str) -> Iterator[None]:
         paths = [Path(render.frame_path(frame=frame)) for frame in range(scene.frame_start, scene.frame_end + 1, 3)]
         with bpy.context.temp_override(**view_context()):
             assert bpy.ops.render.render("INVOKE_DEFAULT", animation=True) == {"RUNNING_MODAL"}
-        yield from wait_for(lambda last=paths[-1]: last.is_file() and not handlers.STATE.rendering)
+        yield from wait_for(lambda last=paths[-1]: last.is_file() and not sessions.STATE.rendering)
         for _ in range(5):
             yield
         shown[mode] = [picture(path)[..., 3] for path in paths]

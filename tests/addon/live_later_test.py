@@ -46,14 +46,14 @@ def played(monkeypatch, gate):
     made = stretching_sphere()
     assert switch(made) == ""
     monkeypatch.setattr(sessions, "waits", lambda _scene, _depsgraph: False)
-    monkeypatch.setattr(handlers, "is_watched", lambda: True)
+    monkeypatch.setattr(sessions, "is_watched", lambda: True)
     return made
 
 
 def collect_all():
     """Does what the window's timer does, until nothing is left."""
     for _ in range(5):
-        if handlers.collect(wait=True) is None:
+        if sessions.collect(wait=True) is None:
             return
     raise AssertionError("there is always something left")
 
@@ -77,7 +77,7 @@ def test_values_follow_when_they_are_computed(played, gate):
     gate.open.set()
     collect_all()
     assert np.array_equal(values(played), expected(played))
-    assert set(handlers.session_at(played).seconds) == {"read", "compute", "write"}
+    assert set(sessions.session_at(played).seconds) == {"read", "compute", "write"}
 
 
 def test_of_frames_that_wait_only_the_newest_is_computed(played, gate):
@@ -105,11 +105,11 @@ def test_values_follow_where_frames_come_before_the_timer(played, gate):
 
 def test_a_frame_that_must_be_right_ends_what_is_computed_beside_it(played, gate, monkeypatch):
     bpy.context.scene.frame_set(2)
-    monkeypatch.setattr(handlers, "is_watched", lambda: False)  # a script, an exporter, a render of the viewport
+    monkeypatch.setattr(sessions, "is_watched", lambda: False)  # a script, an exporter, a render of the viewport
     bpy.context.scene.frame_set(3)
-    assert not handlers.session_at(played).busy
+    assert not sessions.session_at(played).busy
     assert np.array_equal(values(played), expected(played))
-    assert handlers.collect() is None
+    assert sessions.collect() is None
 
 
 def test_renders_and_windowless_runs_wait_whatever_the_scene_says():
@@ -142,8 +142,8 @@ def test_what_ends_live_values_ends_what_is_computed(played, gate, end):
         switch(played, "OFF")
     else:
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    assert handlers.collect() is None
-    assert handlers.STATE.sessions == {}
+    assert sessions.collect() is None
+    assert sessions.STATE.sessions == {}
     assert contexts.POOL.used == []
     assert gate.begun == 1
 
@@ -191,12 +191,12 @@ def test_what_was_written_beside_the_window_is_no_edit_but_is_compared_at_rest(p
     gate.open.set()
     bpy.context.scene.frame_set(3)
     collect_all()
-    session = handlers.session_at(played)
+    session = sessions.session_at(played)
     bpy.context.view_layer.update()
     assert (session.edited, session.unsure) == (False, True)
     for item in played.data.uv_layers.active.data:
         item.uv *= 0.9
-    handlers.STATE.edited_at = 0.0
+    sessions.STATE.edited_at = 0.0
     handlers.follow_edits()
     collect_all()
     assert np.array_equal(values(played), expected(played))

@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
-from paradesc_blender.animation import handlers, painting  # noqa: E402
+from paradesc_blender.animation import painting, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere  # noqa: E402
@@ -39,11 +39,11 @@ def stored():
 
 def test_colors_of_all_frames_are_by_the_first_frames_range(stretching):
     switch(stretching)
-    shown = handlers.session_at(stretching).results.shown(NAME)
+    shown = sessions.session_at(stretching).results.shown(NAME)
     bpy.context.scene.frame_set(3)
     expected = color_maps.linear_rgba(color_maps.colors(values(stretching), shown))
     np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
-    own = handlers.session_at(stretching).results.shown(NAME)
+    own = sessions.session_at(stretching).results.shown(NAME)
     assert own.maximum > 1.2 * shown.maximum
 
 
@@ -152,4 +152,4 @@ def test_the_legend_knows_unit_and_radius_of_live_values(stretching):
     switch(stretching)
     drawn = record.read(stretching.data)["drawn"][NAME]
     assert drawn["unit"] == "1/length"
-    assert drawn["radius"] == pytest.approx(handlers.session_at(stretching).results.radius)
+    assert drawn["radius"] == pytest.approx(sessions.session_at(stretching).results.radius)

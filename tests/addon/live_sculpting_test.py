@@ -45,8 +45,8 @@ def press_in(target, depth=0.3):
 
 def rest():
     """Does what the event loop does once the stroke has ended."""
-    if handlers.STATE.edited_at is not None:
-        handlers.STATE.edited_at = 0.0
+    if sessions.STATE.edited_at is not None:
+        sessions.STATE.edited_at = 0.0
     return handlers.follow_edits()
 
 
@@ -58,14 +58,14 @@ def test_values_follow_a_stroke_without_leaving_the_mode(sculpted):
     assert np.nanmax(np.abs(stroked - before)) > 0.05
     assert sculpted.mode == "SCULPT"
     arrays = mesh_io.read_object(sculpted, corner_normals=False, needs_uvs=False)
-    expected = job.run(arrays, handlers.session_at(sculpted).stream.settings)
+    expected = job.run(arrays, sessions.session_at(sculpted).stream.settings)
     np.testing.assert_array_equal(stroked, expected.values[MASK])
 
 
 def test_strokes_read_positions_alone_and_keep_the_radius(sculpted, monkeypatch):
     press_in(sculpted)
     rest()
-    session, reads = handlers.session_at(sculpted), []
+    session, reads = sessions.session_at(sculpted), []
     radius = session.results.radius
     monkeypatch.setattr(live.Session, "take_mesh", lambda *_words: reads.append(1))
     for _ in range(2):
@@ -90,7 +90,7 @@ def test_nothing_is_computed_or_written_in_the_middle_of_a_stroke(sculpted, monk
 
 def test_a_stroke_is_waited_for_shorter_than_an_edit(sculpted):
     assert handlers.delay_of([sculpted]) < handlers.delay_of([])
-    handlers.STATE.edited_at = time.monotonic()
+    sessions.STATE.edited_at = time.monotonic()
     assert 0 < handlers.follow_edits() <= handlers.STROKE_DELAY
 
 
@@ -119,7 +119,7 @@ def test_the_shape_key_that_is_sculpted_is_measured(sculpted):
 def test_fine_meshes_are_sculpted_without_fitted_normals(sculpted, monkeypatch):
     press_in(sculpted)
     rest()
-    session = handlers.session_at(sculpted)
+    session = sessions.session_at(sculpted)
     assert session.results.settings.options.normals == "fitted"
     monkeypatch.setattr(live, "FINE", 1)
     press_in(sculpted)
@@ -132,11 +132,11 @@ def test_dynamic_topology_is_waited_for_and_said(sculpted, monkeypatch):
     done = count_computations(monkeypatch)
     bpy.ops.sculpt.dynamic_topology_toggle()
     assert live_panel.live_sentence(sculpted) == "Values follow when dynamic topology is switched off."
-    handlers.refresh_window([sculpted])
+    sessions.refresh_window([sculpted])
     assert not done
     bpy.ops.sculpt.dynamic_topology_toggle()
     assert live_panel.live_sentence(sculpted) == ""
-    handlers.refresh_window([sculpted])
+    sessions.refresh_window([sculpted])
     assert sculpted.paradesc_live.mode == "LIVE"
 
 

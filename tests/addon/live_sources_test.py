@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from live_values import count_computations, switch, values  # noqa: E402
 from paradesc.core import choices, fitting  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import frames, handlers  # noqa: E402
+from paradesc_blender.animation import frames, handlers, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
 from paradesc_blender.settings.animation import frame_source  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
@@ -40,11 +40,11 @@ def test_live_gives_the_values_of_a_bake_with_the_modifiers_that_are_shown(cage)
     bake()
     baked = values(cage, MASK)
     assert switch(cage) == ""
-    assert handlers.session_at(cage).arrays.positions.shape[0] > 4 * len(baked), "the cage was measured"
+    assert sessions.session_at(cage).arrays.positions.shape[0] > 4 * len(baked), "the cage was measured"
     np.testing.assert_array_equal(values(cage, MASK), baked)
     cage.modifiers["finer"].show_viewport = False
     bpy.context.view_layer.update()
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert np.nanmax(np.abs(values(cage, MASK) - baked)) > 0.05, "the modifier makes no difference"
 
 
@@ -60,9 +60,9 @@ def test_another_source_is_followed(cage):
     assert switch(cage) == ""
     shown = values(cage, MASK)
     bpy.context.scene.paradesc_animation.source = "original"
-    session = handlers.session_at(cage)
+    session = sessions.session_at(cage)
     assert not session.has_settings(bpy.context.scene)
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert session.has_settings(bpy.context.scene)
     assert np.nanmax(np.abs(values(cage, MASK) - shown)) > 0.05
 
@@ -81,7 +81,7 @@ def test_the_panel_shows_the_radius_that_live_has_fitted_as_a_bake_does(cage, mo
     assert settings.radius_fit == "medium"
     done = count_computations(monkeypatch)
     bpy.context.view_layer.update()
-    handlers.STATE.edited_at = 0.0
+    sessions.STATE.edited_at = 0.0
     handlers.follow_edits()
     assert not done, "what is shown was taken for another setting"
 
@@ -100,7 +100,7 @@ def test_the_fitted_radius_is_that_of_a_bake_and_is_not_fitted_to_every_frame(ca
     fitted = fitting.fitted
     monkeypatch.setattr(fitting, "fitted", lambda *words: (fits.append(1), fitted(*words))[1])
     assert switch(cage) == ""
-    session = handlers.session_at(cage)
+    session = sessions.session_at(cage)
     assert session.results.radius == pytest.approx(radius, rel=1e-5)
     done = count_computations(monkeypatch)
     cage.modifiers.new("bend", "SIMPLE_DEFORM").angle = 1.0
@@ -119,17 +119,17 @@ def test_a_session_in_another_process_has_the_radius_of_the_window_whatever_its_
         bend.keyframe_insert("angle", frame=frame)
     bpy.context.scene.frame_set(1)
     assert switch(cage) == ""
-    radius = handlers.session_at(cage).results.radius
+    radius = sessions.session_at(cage).results.radius
     bpy.context.scene.frame_set(9)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"))
     name = cage.name
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
     bpy.context.scene.frame_set(8)
     loaded = bpy.data.objects[name]
-    assert handlers.session_at(loaded).results.radius == pytest.approx(radius, rel=1e-6)
+    assert sessions.session_at(loaded).results.radius == pytest.approx(radius, rel=1e-6)
     switch(loaded, "OFF")
     switch(loaded)  # from here on the bent shape counts, which is larger
-    assert handlers.session_at(loaded).results.radius > 1.02 * radius
+    assert sessions.session_at(loaded).results.radius > 1.02 * radius
 
 
 def carried_values(target, name=MASK):
@@ -149,12 +149,12 @@ def test_what_modifiers_make_has_the_values_of_a_bake_and_follows(cage, kind):
     for vertex in cage.data.vertices:
         vertex.co.z *= 1 - 0.3 * np.cos(9 * vertex.co.x)
     cage.data.update()
-    handlers.STATE.edited_at = 0.0
+    sessions.STATE.edited_at = 0.0
     handlers.follow_edits()
     followed = carried_values(cage)
     assert np.nanmax(np.abs(followed - baked)) > 0.05
     if kind == "SUBSURF":
-        np.testing.assert_array_equal(followed, handlers.session_at(cage).results.values[MASK])
+        np.testing.assert_array_equal(followed, sessions.session_at(cage).results.values[MASK])
     assert len(bpy.context.scene.objects) == objects, "there is a second object"
     assert len([item for item in cage.modifiers if item.type == "NODES"]) == 1
 
@@ -181,10 +181,10 @@ def test_another_mask_that_was_baked_stays_beside_the_live_one(cage):
 def test_values_in_sculpt_mode_are_not_hidden_by_carried_ones(cage):
     assert switch(cage) == ""
     bpy.ops.object.mode_set(mode="SCULPT")
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert not [item for item in cage.modifiers if item.type == "NODES"]
     bpy.ops.object.mode_set(mode="OBJECT")
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert [item for item in cage.modifiers if item.type == "NODES"]
 
 
@@ -198,7 +198,7 @@ def test_renders_with_another_level_of_subdivision_have_the_radius_of_the_window
     scene.frame_set(1)
     cage.modifiers["finer"].render_levels = 3
     assert switch(cage) == ""
-    session, radii, counts = handlers.session_at(cage), [], []
+    session, radii, counts = sessions.session_at(cage), [], []
     radius, compute = session.results.radius, type(session).compute
 
     def watched(self, request, *more):
@@ -216,7 +216,7 @@ def test_renders_with_another_level_of_subdivision_have_the_radius_of_the_window
     scene.render.resolution_x = scene.render.resolution_y = 8
     scene.render.filepath = str(tmp_path / "still.png")
     bpy.ops.render.render(write_still=True)
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert cage.paradesc_live.sentence == ""
     assert max(counts) > 3 * min(counts), "the render had the level of the window"
     assert radii == pytest.approx([radius] * len(radii), rel=1e-6)
@@ -245,7 +245,7 @@ def test_a_range_that_was_typed_stays_whatever_is_baked(cage):
     assert switch(cage) == ""
     group.ranges[MASK].maximum = 0.123
     bake()
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert group.ranges[MASK].maximum == pytest.approx(0.123)
 
 
@@ -274,7 +274,7 @@ def test_live_shows_its_colors_beside_others(cage):
     assert switch(cage) == ""
     assert cage.data.color_attributes.active_color.name == f"{MASK}_color"
     bpy.context.scene.paradesc.descriptors = {"convexity"}
-    handlers.refresh_window([cage])
+    sessions.refresh_window([cage])
     assert cage.data.color_attributes.active_color.name == "convexity_color"
 
 
@@ -318,15 +318,15 @@ def test_frames_have_the_fitted_radius_of_the_base_mesh(cage, tmp_path):
 def test_another_radius_is_followed_once_the_hand_rests_and_other_settings_ask_for_nothing(cage, monkeypatch):
     assert switch(cage) == ""
     bpy.context.view_layer.update()
-    handlers.STATE.edited_at = None
+    sessions.STATE.edited_at = None
     done = count_computations(monkeypatch)
     bpy.context.scene.paradesc.image_to_material = True
     bpy.context.view_layer.update()
-    assert handlers.STATE.edited_at is None
+    assert sessions.STATE.edited_at is None
     bpy.context.scene.paradesc.radius_percent = 16.0
     bpy.context.view_layer.update()
-    assert handlers.STATE.edited_at is not None
-    handlers.STATE.edited_at = 0.0
+    assert sessions.STATE.edited_at is not None
+    sessions.STATE.edited_at = 0.0
     handlers.follow_edits()
     assert len(done) == 1
-    assert handlers.session_at(cage).has_settings(bpy.context.scene)
+    assert sessions.session_at(cage).has_settings(bpy.context.scene)

@@ -12,7 +12,7 @@ from live_values import baked_shape, count_computations, live_settings, stretchi
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc_blender.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
 from paradesc_blender.scene import mesh_io, source_meshes  # noqa: E402
-from paradesc_blender.settings import properties  # noqa: E402
+from paradesc_blender.settings import hooks, properties  # noqa: E402
 from paradesc_blender.ui import live_panel  # noqa: E402
 from scene import add_sphere, attribute_values, subdivide  # noqa: E402
 
@@ -31,7 +31,7 @@ def stretching():
 def edit_and_rest():
     """Does what the event loop does after an edit, once editing pauses."""
     bpy.context.view_layer.update()
-    handlers.STATE.edited_at = None if handlers.STATE.edited_at is None else 0.0
+    sessions.STATE.edited_at = None if sessions.STATE.edited_at is None else 0.0
     handlers.follow_edits()
 
 
@@ -93,7 +93,7 @@ def test_the_radius_does_not_change_with_the_pose(stretching):
         mesh_io.read_object(stretching, corner_normals=False), properties.job_settings(bpy.context.scene.paradesc)
     )
     bpy.context.scene.frame_set(3)
-    assert handlers.session_at(stretching).results.radius == pytest.approx(rest.radius, rel=1e-6)
+    assert sessions.session_at(stretching).results.radius == pytest.approx(rest.radius, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -101,7 +101,7 @@ def test_the_viewport_takes_smaller_buffers_where_the_radius_spans_texels_enough
     settings, group = bpy.context.scene.paradesc, bpy.context.scene.paradesc_live
     settings.buffer_size = group.buffer_size = 1024
     switch(stretching)
-    session = handlers.session_at(stretching)
+    session = sessions.session_at(stretching)
     size = session.stream.settings.options.buffer_size
     assert size < 1024
     assert session.results.field_report["radius_in_texels"] >= 5.4
@@ -168,7 +168,7 @@ def test_a_renamed_object_goes_on(stretching):
     switch(stretching)
     stretching.name = "ball"
     bpy.context.scene.frame_set(3)
-    assert len(handlers.STATE.sessions) == 1
+    assert len(sessions.STATE.sessions) == 1
     assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
 
 
@@ -256,12 +256,12 @@ def test_a_linked_duplicate_of_a_live_object_leaves_the_mesh_to_the_first(stretc
     for frame in (2, 3):
         bpy.context.scene.frame_set(frame)
         assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
-    assert handlers.session_at(twin) is None
+    assert sessions.session_at(twin) is None
     assert "sphere" in live_panel.live_sentence(twin)
     assert live_panel.live_sentence(stretching) == ""
     twin.data = stretching.data.copy()
     bpy.context.scene.frame_set(2)
-    assert handlers.session_at(twin) is not None
+    assert sessions.session_at(twin) is not None
     assert live_panel.live_sentence(twin) == ""
 
 
@@ -280,7 +280,7 @@ def test_a_removed_object_is_forgotten(stretching):
     switch(stretching)
     bpy.data.objects.remove(stretching)
     bpy.context.scene.frame_set(2)
-    assert handlers.STATE.sessions == {}
+    assert sessions.STATE.sessions == {}
 
 
 # ---- Switches, files
@@ -320,7 +320,7 @@ def test_switched_off_values_stay_and_nothing_is_kept(stretching):
     switch(stretching, "OFF")
     bpy.context.scene.frame_set(3)
     assert np.array_equal(values(stretching), before)
-    assert handlers.STATE.sessions == {}
+    assert sessions.STATE.sessions == {}
 
 
 def test_a_loaded_file_is_live_again(stretching, tmp_path):
@@ -328,7 +328,7 @@ def test_a_loaded_file_is_live_again(stretching, tmp_path):
     path = str(tmp_path / "live.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    assert handlers.STATE.sessions == {}
+    assert sessions.STATE.sessions == {}
     bpy.ops.wm.open_mainfile(filepath=path)
     made = bpy.data.objects["sphere"]
     bpy.context.scene.frame_set(3)
@@ -345,11 +345,11 @@ def test_every_handler_is_hung_in_once_and_taken_out():
             for hook in getattr(bpy.app.handlers, name)
         )
 
-    handlers.register()
+    hooks.add(handlers)
     assert count() == len(handlers.HANDLERS)
-    handlers.unregister()
+    hooks.remove(handlers)
     assert count() == 0
-    handlers.register()
+    hooks.add(handlers)
 
 
 def test_values_of_several_radii_are_called_as_asked(stretching):
@@ -423,19 +423,19 @@ def other_shape(name, size):
 def test_objects_that_change_names_keep_their_sessions_and_values(stretching):
     switch(stretching)
     other = other_shape("other", 2.0)
-    sessions = [handlers.session_at(item) for item in (stretching, other)]
+    kept = [sessions.session_at(item) for item in (stretching, other)]
     stretching.name, other.name = "aside", "sphere"
     stretching.name = "other"
     bpy.context.scene.frame_set(2)
     if hasattr(stretching, "session_uid"):
-        assert [handlers.session_at(item) for item in (stretching, other)] == sessions
+        assert [sessions.session_at(item) for item in (stretching, other)] == kept
     for item in (stretching, other):
         assert np.array_equal(values(item), baked_shape(item, live_settings(item)).values[NAME])
 
 
 def test_an_object_made_anew_under_the_same_names_begins_anew(stretching):
     switch(stretching)
-    former = handlers.session_at(stretching)
+    former = sessions.session_at(stretching)
     names = stretching.name, stretching.data.name
     mesh = stretching.data
     bpy.data.objects.remove(stretching)
@@ -447,8 +447,8 @@ def test_an_object_made_anew_under_the_same_names_begins_anew(stretching):
     made.paradesc_live.mode = "LIVE"
     bpy.context.scene.frame_set(2)
     if hasattr(made, "session_uid"):  # before that, only the mesh tells that it is another object
-        assert handlers.session_at(made) is not former
-    assert len(handlers.STATE.sessions) == 1
+        assert sessions.session_at(made) is not former
+    assert len(sessions.STATE.sessions) == 1
     assert np.array_equal(values(made), baked_shape(made, live_settings(made)).values[NAME])
 
 
@@ -475,12 +475,12 @@ def test_an_object_that_is_removed_while_it_is_refreshed_is_forgotten(stretching
 
     monkeypatch.setattr(surfaces, "deformed_positions", remove)
     bpy.context.scene.frame_set(2)
-    assert handlers.live_objects() == []
-    assert handlers.STATE.sessions == {}
+    assert sessions.live_objects() == []
+    assert sessions.STATE.sessions == {}
 
 
 def test_switching_off_an_object_that_is_gone_is_no_error(stretching):
     switch(stretching)
     bpy.data.objects.remove(stretching)
-    handlers.switch_off(stretching, "whatever it was")
-    assert handlers.live_objects() == []
+    sessions.switch_off(stretching, "whatever it was")
+    assert sessions.live_objects() == []

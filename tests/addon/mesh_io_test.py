@@ -10,7 +10,7 @@ from shapes import cube_sphere
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
-from paradesc.bridge import ParadescError  # noqa: E402
+from paradesc.bridge import InputError, ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc_blender.scene import mesh_io, record  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
@@ -82,7 +82,7 @@ def test_triangles_and_their_faces_are_those_of_blender(sides):
     mesh.from_pydata(points, [], [range(*ends) for ends in itertools.pairwise(starts)])
     mesh.calc_loop_triangles()
     told = [(tuple(triangle.loops), triangle.polygon_index) for triangle in mesh.loop_triangles]
-    corners, faces = mesh_io.read_triangle_corners(mesh), mesh_io.read_triangle_faces(mesh)
+    corners, faces = mesh_io.read_triangles(mesh)
     assert corners.dtype == faces.dtype == np.int32
     assert [(tuple(row), face) for row, face in zip(corners.tolist(), faces.tolist(), strict=True)] == told
 
@@ -248,7 +248,7 @@ def test_a_failure_takes_back_what_was_made(sphere_object, monkeypatch):
     def fail_at_the_third(mesh, name):
         made.append(name)
         if len(made) == 3:
-            raise mesh_io.refuse("No.")
+            raise InputError("No.")
         return make(mesh, name)
 
     monkeypatch.setattr(mesh_io, "make_attribute", fail_at_the_third)
@@ -296,9 +296,3 @@ def test_modifiers_do_not_change_what_is_read(sphere_object):
     sphere_object.modifiers.new("subdivision", "SUBSURF").levels = 2
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     assert len(arrays.positions) == len(sphere_object.data.vertices)
-
-
-def test_world_matrix_is_row_by_row(sphere_object):
-    sphere_object.location = (1, 2, 3)
-    bpy.context.view_layer.update()
-    assert mesh_io.world_matrix(sphere_object)[:3, 3].tolist() == [1, 2, 3]

@@ -5,6 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from paradesc.bridge import InputError  # noqa: E402
 from paradesc.core import job, spaces  # noqa: E402
 from paradesc_blender.bake import batch, operators, pieces  # noqa: E402
 from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
@@ -97,7 +98,7 @@ def test_a_mesh_that_cannot_be_written_does_not_lose_the_others(spheres, monkeyp
 
     def full(mesh, *names):
         if mesh == first.data:
-            raise mesh_io.refuse("No room.")
+            raise InputError("No room.")
         return places(mesh, *names)
 
     monkeypatch.setattr(mesh_io, "places", full)
@@ -162,7 +163,7 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
     assert targets.shared_note([first, third]) == []
     assert "measured on" in targets.shared_note([first, third], source="deformed")[0]
     assert targets.shared_note([first], source="deformed") == []
-    assert spaces.is_even(mesh_io.world_matrix(third))
+    assert spaces.is_even(third.matrix_world)
 
 
 def test_the_button_says_how_many_meshes_there_are(spheres):

@@ -11,8 +11,7 @@ import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import job, members  # noqa: E402
 from paradesc.core.threads import Worker  # noqa: E402
-from paradesc_blender.bake import operators  # noqa: E402
-from paradesc_blender.scene import mesh_io, record  # noqa: E402
+from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
 from paradesc_blender.settings import properties  # noqa: E402
 from paradesc_blender.ui import drawing, report_panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
@@ -111,14 +110,14 @@ def test_own_normals_are_taken_on_request(sphere_object):
 
 
 def test_nothing_selected_cannot_be_baked():
-    assert operators.obstacle(bpy.context)
+    assert targets.obstacle(bpy.context)
     with pytest.raises(RuntimeError, match="poll"):
         bpy.ops.paradesc.bake()
 
 
 def test_missing_library_is_said_before_anything_else(sphere_object, monkeypatch):
     monkeypatch.setattr(bridge, "missing_sentence", lambda: "native library missing – somewhere.")
-    assert operators.obstacle(bpy.context).startswith("native library missing")
+    assert targets.obstacle(bpy.context).startswith("native library missing")
     assert members.descriptor_items() == [members.NO_DESCRIPTOR]
     with pytest.raises(RuntimeError, match="poll"):
         bpy.ops.paradesc.bake()

@@ -11,7 +11,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from mesh_io_test import made_up_results  # noqa: E402
 
 from live_values import switch  # noqa: E402
-from paradesc_blender.animation import handlers  # noqa: E402
+from paradesc_blender.animation import sessions  # noqa: E402
 from paradesc_blender.scene import mesh_io  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, subdivide  # noqa: E402
@@ -110,5 +110,5 @@ def test_objects_that_nobody_has_made_live_get_no_settings(target):
     other = add_sphere("other", steps=2)
     assert switch(target) == ""
     bpy.context.scene.frame_set(2)
-    assert not handlers.is_live(other)
+    assert not sessions.is_live(other)
     assert not other.is_property_set("paradesc_live")

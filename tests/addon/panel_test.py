@@ -17,7 +17,6 @@ from paradesc_blender.scene import large_faces, mesh_io, record  # noqa: E402
 from paradesc_blender.settings import preferences, research  # noqa: E402
 from paradesc_blender.ui import (  # noqa: E402
     drawing,
-    image_panel,
     live_panel,
     looks_panel,
     panel,
@@ -31,7 +30,7 @@ from scene import add_sphere, select, small_bake  # noqa: E402
 DEFAULT_WIDTH, SCALE = 217, 2.0
 PANELS = [
     cls
-    for module in (panel, settings_panel, report_panel, image_panel)
+    for module in (panel, settings_panel, report_panel)
     for cls in module.classes
     if cls.__name__ != "PARADESC_MT_devices"
 ]

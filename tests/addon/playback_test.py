@@ -10,8 +10,9 @@ import paradesc_blender  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import cache_places, frames, handlers  # noqa: E402
+from paradesc_blender.animation import frames, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
+from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from paradesc_blender.ui import report_panel  # noqa: E402
 from scene import attribute_values, measure_curvature, subdivide  # noqa: E402
 
@@ -29,7 +30,7 @@ def swelling(tmp_path):
     scene.paradesc_animation.cache_folder = str(tmp_path)
     group = scene.paradesc
     group.radius_percent, group.samples, group.buffer_size, group.backend = 10.0, 64, 256, "software"
-    request = frames.FrameRequest(SETTINGS, cache_places.object_cache(scene, target))
+    request = frames.FrameRequest(SETTINGS, animation_settings.object_cache(scene, target))
     with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
         for frame in (1, 6, 11):
             baker.run(baker.prepare(frame))
@@ -50,7 +51,7 @@ def radius_now(target):
 
 def note(target):
     """The note in the panel."""
-    return handlers.session_at(target).note
+    return sessions.session_at(target).note
 
 
 def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkeypatch):
@@ -59,7 +60,7 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
     for frame, radius in ((6, 3.0), (11, 4.0), (1, 2.0)):
         bpy.context.scene.frame_set(frame)
         assert radius_now(swelling) == pytest.approx(radius, rel=0.02)
-        path = cache.frame_path(cache_places.object_cache(bpy.context.scene, swelling), frame)
+        path = cache.frame_path(animation_settings.object_cache(bpy.context.scene, swelling), frame)
         assert np.array_equal(attribute_values(swelling.data, NAME), cache.read_frame(path).values[NAME])
         assert np.isfinite(attribute_values(swelling.data, "coverage")).all()
         assert note(swelling) == ""
@@ -78,7 +79,7 @@ def test_frames_of_a_scene_without_the_object_play_nothing(swelling):
 def test_colors_are_by_the_range_over_all_frames(swelling):
     bpy.context.scene.frame_set(11)
     play(swelling)
-    folder = cache_places.object_cache(bpy.context.scene, swelling)
+    folder = animation_settings.object_cache(bpy.context.scene, swelling)
     shown = cache.locked_ranges([folder])[NAME]
     assert shown.maximum == pytest.approx(0.5, rel=0.02)
     expected = color_maps.linear_rgba(color_maps.colors(attribute_values(swelling.data, NAME), shown))
@@ -115,7 +116,7 @@ def test_missing_frames_are_computed_on_request_and_said(swelling):
 
 def test_a_frame_that_was_baked_again_is_read_again(swelling):
     play(swelling)
-    folder = cache_places.object_cache(bpy.context.scene, swelling)
+    folder = animation_settings.object_cache(bpy.context.scene, swelling)
     frame = cache.read_frame(cache.frame_path(folder, 1))
     frame.values[NAME][:] = 7.0
     cache.write_frame(folder, frame)
@@ -125,7 +126,7 @@ def test_a_frame_that_was_baked_again_is_read_again(swelling):
 
 def test_a_damaged_frame_is_one_sentence(swelling):
     play(swelling)
-    path = cache.frame_path(cache_places.object_cache(bpy.context.scene, swelling), 6)
+    path = cache.frame_path(animation_settings.object_cache(bpy.context.scene, swelling), 6)
     path.write_bytes(path.read_bytes()[:-9])
     bpy.context.scene.frame_set(6)
     assert swelling.paradesc_live.mode == "OFF"

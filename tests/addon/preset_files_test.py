@@ -13,7 +13,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.files import preset_file, preset_rules  # noqa: E402
-from paradesc_blender.settings import preset_folders, preset_members, presets  # noqa: E402
+from paradesc_blender.settings import preset_folders, presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
@@ -27,15 +27,15 @@ FAULTS = {
              ("x" * 61, "not a line of"), ("\ud800", "not a line of")],
     "purpose": [(["a"], "not a line of at most 500")],
     "settings": [([], "that is not an object"), ({"samples": 3}, "from 8 to 4096"), ({"samples": 99.5}, "a whole number"),
-                 ({"samples": True}, "a whole number"), ({"samples": None}, "give a truth value"),
-                 ({"samples": {"a": [1]}}, "give a truth value"), ({"descriptors": [["cavity"]]}, "give a truth value"),
+                 ({"samples": True}, "a whole number"), ({"samples": None}, "a whole number from 8"),
+                 ({"samples": {"a": [1]}}, "a whole number"), ({"descriptors": [["cavity"]]}, "a list of some of"),
                  ({"descriptors": []}, "a list of some of"), ({"descriptors": ["wobble"]}, "a list of some of"),
                  ({"descriptors": "cavity"}, "a list of some of"), ({"normals": "odd"}, "one of fitted, max, mesh"),
                  ({"normals": ["max"]}, "one of fitted"), ({"radius_percent": 200}, "from 0.01 to 100"),
                  ({"radius_percent": "2"}, "a number"), ({"radius_absolute": 1e39}, "a number from 1e-06"),
                  ({"more_radii": "wide"}, "is not a positive number"), ({"more_radii": 3}, "a line of at most"),
                  ({"backend": "gpu"}, "which is not a setting"), ({"image_path": "/x"}, "which is not a setting"),
-                 ({"samples": 10**40}, "a number of 41 digits")],
+                 ({"samples": 10**40}, "a whole number from 8 to 4096")],
     "colors": [({"percentile": 49.5}, "from 0 to 49"), ({"symmetric": 1}, "true or false"),
                ({"show_legend": True}, "which is not a setting"), ({"span": "fixed", "minimum": 2}, "not above 2")],
     "image": [({"texels": 8}, "from 16 to 8192"), ({"image_path": "//x.exr"}, "which is not a setting"),
@@ -48,9 +48,9 @@ BYTES = {
     b"[]": "is not a preset of Paradesc",
     b'{"paradesc_preset": 1, "name": "a"}': "sets nothing",
     b'{"paradesc_preset": 1, "name": "a", "name": "b"}': '"name" twice',
-    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": NaN}}': "NaN, which is not a number",
-    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": -Infinity}}': "Infinity, which is not a number",
-    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": 1e999}}': "too large",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": NaN}}': 'NaN as "minimum" in colors; give a number',
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": -Infinity}}': "give a number",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": 1e999}}': "give a number",
     b"[" * 500_000: "nested too deeply",
     b'{"paradesc_preset": 1, "name": "\xff"}': "no JSON in UTF-8",
     json.dumps(SOUND).encode("utf-16"): "no JSON in UTF-8",
@@ -201,7 +201,7 @@ def test_our_own_presets_say_colors_and_images_too(monkeypatch):
     preset = presets.Preset("Mask", "A mask", {"samples": 32}, {"color_map": "grey"}, {"texels": 1024})
     monkeypatch.setitem(presets.PRESETS, "cavity", preset)
     scene.paradesc_looks.color_map, scene.paradesc_looks.percentile = "heat", 9.0
-    presets.apply(scene.paradesc, "cavity")
+    bpy.ops.paradesc.preset(name="cavity")
     assert (scene.paradesc.samples, scene.paradesc.texels) == (32, 1024)
     assert (scene.paradesc_looks.color_map, scene.paradesc_looks.percentile) == ("grey", 2.5)
 
@@ -270,9 +270,9 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
             error.sentence.encode()
             refusals += 1
         else:
-            preset_members.apply(bpy.context.scene, found)
+            presets.apply(bpy.context.scene, found)
             whole = preset_file.Content("all", settings={"radius_fit": "medium"}, colors={})
-            preset_members.apply(bpy.context.scene, whole)
+            presets.apply(bpy.context.scene, whole)
             for name in members.output_members():
                 bpy.context.scene.paradesc.property_unset(name)
             measure_curvature()

@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
 from paradesc.core import devices, members  # noqa: E402
+from paradesc.files import preset_rules  # noqa: E402
 from paradesc_blender.settings import presets, properties  # noqa: E402
 from paradesc_blender.ui import settings_panel  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
@@ -42,7 +43,7 @@ def test_a_preset_takes_back_all_others_but_leaves_device_object_and_output(sett
 def test_every_preset_says_what_it_is_for_and_names_only_settings_there_are():
     for preset in presets.PRESETS.values():
         assert len(preset.purpose) > 30
-        assert set(preset.members) <= set(presets.members())
+        assert set(preset.members) <= set(preset_rules.setting_members())
 
 
 # ---- Fields

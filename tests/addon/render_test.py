@@ -13,7 +13,7 @@ from shapes import ADDON
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-from paradesc_blender.animation import handlers, live  # noqa: E402
+from paradesc_blender.animation import live, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
 from processes import run_blender  # noqa: E402
 from scene import add_sphere  # noqa: E402
@@ -236,8 +236,8 @@ def test_motion_blur_asks_for_shapes_between_frames_not_for_values(tmp_path, mon
     scene.frame_set(FRAMES[1])
     scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
     asked, computed = [], []
-    on_frame, compute = handlers.live_objects, live.Session.compute
-    monkeypatch.setattr(handlers, "live_objects", lambda: (asked.append(scene.frame_current_final), on_frame())[1])
+    on_frame, compute = sessions.live_objects, live.Session.compute
+    monkeypatch.setattr(sessions, "live_objects", lambda: (asked.append(scene.frame_current_final), on_frame())[1])
     monkeypatch.setattr(
         live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))[1]
     )

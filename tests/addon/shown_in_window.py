@@ -12,7 +12,7 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-from paradesc_blender.animation import handlers, live, pausing  # noqa: E402
+from paradesc_blender.animation import live, pausing, sessions  # noqa: E402
 from paradesc_blender.scene import mesh_io, viewports  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 from window import (  # noqa: E402
@@ -136,7 +136,7 @@ def strokes_are_followed(name: str) -> Iterator[None]:
     np.testing.assert_allclose(attribute_values(target.data, NAME), flat, atol=1e-5)
     assert (target.mode, target.paradesc_live.mode) == ("SCULPT", "LIVE"), "undo took more than the stroke"
     live.Session.compute = compute
-    assert not handlers.session_at(target).busy
+    assert not sessions.session_at(target).busy
     say("values followed a stroke and its undo")
 
 

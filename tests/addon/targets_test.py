@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import bmesh  # noqa: E402
 
+from paradesc.bridge import InputError  # noqa: E402
 from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
 
@@ -90,7 +91,7 @@ def test_mode_selection_and_active_object_are_as_before(mode):
 
 
 def refusing(*_words):
-    raise mesh_io.refuse("No room.")
+    raise InputError("No room.")
 
 
 @pytest.mark.parametrize("mode", MODES)

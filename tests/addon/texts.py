@@ -36,7 +36,7 @@ NO_TEXTS = {
     *("{0} radii from {1} to {2}", "expected error {0}, the least, at the radius {1}", "{0} vertices, {1}: {2}"),
     "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
 }
-CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "poll_message_set", "line"}
+CALLS = {"label", "said", "tooltip", "sentence_lines", "report", "can_run", "line"}
 DRAWN = {"text", "heading"}
 # Signs of a sentence, or of a text that format() fills: a later word that is small, or a place in braces.
 SENTENCE = re.compile(r'(["“–A-Z{]|has |its |the |measure |sizes |; ).*? [a-z]{2,}|has [a-z]+')

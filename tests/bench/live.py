@@ -16,7 +16,7 @@ import numpy as np
 
 import paradesc_blender
 from paradesc.core import job
-from paradesc_blender.animation import handlers
+from paradesc_blender.animation import sessions
 from paradesc_blender.scene import mesh_io
 
 NAME = "mean_curvature"
@@ -103,7 +103,7 @@ def cpu_seconds(frame: int) -> float:
 
 def reference_values(target: bpy.types.Object) -> np.ndarray:
     """(vertex_count,) values of the reference for the present shape."""
-    settings = handlers.session_at(target).stream.settings
+    settings = sessions.session_at(target).stream.settings
     arrays = mesh_io.read_object(target, corner_normals=False)
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
     arrays = replace(arrays, positions=mesh_io.read_positions(evaluated.data))
@@ -115,7 +115,7 @@ def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: 
     scene = bpy.context.scene
     scene.paradesc_live.samples, scene.paradesc_live.buffer_size = samples, buffer_size
     scene.frame_set(FRAMES)
-    session = handlers.session_at(target)
+    session = sessions.session_at(target)
     error = np.abs(session.results.values[NAME] - expected) / np.ptp(np.nanpercentile(expected, [2.5, 97.5]))
     times: dict[str, list[float]] = {}
     for frame in [*range(1, FRAMES + 1)] * rounds:
@@ -172,7 +172,7 @@ def main() -> int:
         )
     if words.json:
         about = {"blender": bpy.app.version_string, "python": platform.python_version(), "bare_frame": round(bare, 2)}
-        about["device"] = handlers.session_at(target).results.device
+        about["device"] = sessions.session_at(target).results.device
         words.json.write_text(json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1) + "\n")
     paradesc_blender.unregister()
     return 0

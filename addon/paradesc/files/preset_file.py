@@ -6,9 +6,7 @@ that define the properties and their values.
 """
 
 import json
-import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import NoReturn
@@ -27,8 +25,6 @@ MARK, VERSION = "paradesc_preset", 1
 SECTIONS = ("settings", "colors", "image")
 LARGEST_FILE = 1_000_000  # bytes
 LONGEST_NAME, LONGEST_PURPOSE, LONGEST_TEXT = 60, 500, 1000
-# More digits than any setting has. Python takes long to parse numbers with many more.
-MOST_DIGITS = 30
 LARGEST_NUMBER = 3.4e38  # 32-bit floats end just above
 # A file name must leave room for its suffix and for the additions of a temporary file.
 LONGEST_STEM = 100  # bytes
@@ -79,7 +75,7 @@ def quoted(value: object) -> str:
 
 def read(path: Path) -> Content:
     """Reads a file and checks all that needs no rules; raises PresetError."""
-    content = parsed(path, text_in(path, "JSON"))
+    content = parsed(path, text_in(path))
     if not isinstance(content, dict) or MARK not in content:
         refuse(path, f'is not a preset of Paradesc, because "{MARK}" is missing; choose another file')
     version = content[MARK]
@@ -95,13 +91,16 @@ def read(path: Path) -> Content:
     if not name.strip():
         refuse(path, 'has no "name"; give it one')
     purpose = checked_line(path, content, "purpose", LONGEST_PURPOSE)
-    sections = {section: checked_section(path, content, section) for section in SECTIONS if section in content}
+    sections = {section: content[section] for section in SECTIONS if section in content}
     if not sections:
         refuse(path, f'sets nothing; add a section "{SECTIONS[0]}", or save the preset again')
+    for section, members in sections.items():
+        if not isinstance(members, dict):
+            refuse(path, f'has a section "{section}" that is not an object; correct it')
     return Content(name.strip(), purpose, **sections)
 
 
-def text_in(path: Path, kind: str) -> str:
+def text_in(path: Path) -> str:
     """The text of a file, without a byte order mark; raises if it is larger than any preset."""
     try:
         if is_folder(path):
@@ -119,15 +118,13 @@ def text_in(path: Path, kind: str) -> str:
     try:
         return found.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        refuse(path, f"is no {kind} in UTF-8 (byte {error.start + 1}); save it in that encoding")
+        refuse(path, f"is no JSON in UTF-8 (byte {error.start + 1}); save it in that encoding")
 
 
 def parsed(path: Path, text: str) -> object:
-    """The JSON of a text, without Python's extensions to the standard."""
+    """The JSON of a text. Numbers that are not finite, which Python reads as well, fit no rule."""
     try:
-        return json.loads(
-            text, object_pairs_hook=single, parse_int=whole, parse_float=finite, parse_constant=no_constant
-        )
+        return json.loads(text, object_pairs_hook=single)
     except json.JSONDecodeError as error:
         refuse(path, f"is not JSON in line {error.lineno}, column {error.colno} ({error.msg}); correct it")
     except RecursionError:
@@ -146,49 +143,12 @@ def single(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return found
 
 
-def whole(digits: str) -> int:
-    """A whole number of JSON that is not excessively long."""
-    if len(digits) > MOST_DIGITS:
-        raise ValueError(f"a number of {len(digits):,} digits")
-    return int(digits)
-
-
-def finite(digits: str) -> float:
-    """A number of JSON that Python can hold."""
-    number = float(digits)
-    if not math.isfinite(number):
-        raise ValueError(f"a number that is too large ({digits[:MOST_DIGITS]})")
-    return number
-
-
-def no_constant(word: str) -> NoReturn:
-    """Refuses NaN and Infinity, which JSON itself does not have."""
-    raise ValueError(f"{word}, which is not a number")
-
-
 def checked_line(path: Path, content: dict[str, object], key: str, longest: int) -> str:
     """A text of one line that can be shown."""
     text = content.get(key, "")
     if not isinstance(text, str) or not text.isprintable() or len(text) > longest:
         refuse(path, f'has a "{key}" that is not a line of at most {longest} characters; correct it')
     return text
-
-
-def checked_section(path: Path, content: dict[str, object], section: str) -> dict[str, object]:
-    """A section, whose values are truth values, numbers, texts, or lists of texts."""
-    members = content[section]
-    if not isinstance(members, dict):
-        refuse(path, f'has a section "{section}" that is not an object; correct it')
-    for key, value in members.items():
-        plain = value if isinstance(value, list) else [value]
-        kinds = str if isinstance(value, list) else (bool, int, float, str)
-        if not all(isinstance(item, kinds) for item in plain):
-            where = f"has {quoted(value)} as {quoted(key)} in {section}"
-            refuse(path, f"{where}; give a truth value, a number, a text or a list of texts")
-    return members
-
-
-# ---- Checking by rules
 
 
 def check(path: Path, content: Content, rules: Rules) -> None:
@@ -277,14 +237,9 @@ def place_of(folder: Path, name: str) -> Path:
     """The path of a preset of this name in a folder: its existing file, else a new one."""
     stem = file_stem(name)
     taken = {file_names.folded(path.name) for path in folder.iterdir()}
-    there = candidates(folder, stem)
+    there = (folder / f"{one}{SUFFIX}" for one in file_names.numbered(stem))
     fits = (path for path in there if file_names.folded(path.name) not in taken or name_in(path) == name)
     return next(fits)
-
-
-def candidates(folder: Path, stem: str) -> Iterator[Path]:
-    """Possible files for a preset: the stem itself, then with numbers appended."""
-    return (folder / f"{one}{SUFFIX}" for one in file_names.numbered(stem))
 
 
 def name_in(path: Path) -> str | None:

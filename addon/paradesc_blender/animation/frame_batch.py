@@ -1,19 +1,19 @@
 """Bakes frames of several objects into their caches, one object after the other, without blocking the window."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import job
 from paradesc.files import cache
 
 from ..bake.pieces import Piece, Pieces, Work, computed, key_of, stage_words
 from ..scene import surface_maps, targets
-from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from ..settings.animation import frame_source
 from ..settings.translation import label
@@ -45,9 +45,16 @@ class FrameBatch(Pieces):
         self.next = 0  # how many of the wanted frames of the current object have been begun
         self.baker: frames.FrameBaker | None = None
         self.scene_name, self.former = scene.name, (scene.frame_current, scene.frame_subframe)
-        self._held = ExitStack()
-        self._held.callback(self.come_back)
-        self._held.enter_context(pausing.held())
+
+    def work(self) -> Work:
+        """Bakes all objects while live values wait, and comes back to the former frame, cancelled or not."""
+        try:
+            with pausing.held():
+                yield from super().work()
+        finally:
+            scene, (frame, part) = bpy.data.scenes.get(self.scene_name), self.former
+            if scene is not None:
+                scene.frame_set(frame, subframe=part)
 
     @property
     def fraction(self) -> float:
@@ -81,9 +88,9 @@ class FrameBatch(Pieces):
         """Opens an object and bakes its frames."""
         target, scene = bpy.data.objects.get(piece.key), bpy.data.scenes.get(self.scene_name)
         if target is None or target.type != "MESH" or scene is None:
-            raise refuse(f'The object "{piece.name}" is gone; it has no frames.')
+            raise InputError(f'The object "{piece.name}" is gone; it has no frames.')
         if piece.failure:
-            raise refuse(piece.failure)
+            raise InputError(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
         source = frames.source_of(target, frame_source(scene.paradesc_animation))
         request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
@@ -99,22 +106,6 @@ class FrameBatch(Pieces):
                 else:
                     yield from computed(partial(baker.run, task), "paradesc frames")
                     piece.made += 1
-
-    def close(self) -> None:
-        """Cancels the rest, ends the wait of live values, and returns to the former frame. Safe to call again."""
-        super().close()
-        self._held.close()
-
-    def come_back(self) -> None:
-        """Returns to the former frame."""
-        scene, (frame, part) = bpy.data.scenes.get(self.scene_name), self.former
-        if scene is not None:
-            scene.frame_set(frame, subframe=part)
-
-    @property
-    def written(self) -> list[ObjectFrames]:
-        """The objects whose frames are there."""
-        return [piece for piece in self.pieces if not piece.failure]
 
     def hold_ranges(self) -> None:
         """Stores color ranges that span all baked frames of all objects, for live and played objects of the scene."""

@@ -5,18 +5,17 @@ prepare() needs Blender's main thread, run() runs on any thread.
 
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays, ParadescError
+from paradesc.bridge import InputError, MeshArrays, ParadescError
 from paradesc.core import job, source_kinds
 from paradesc.core.digests import digest
 from paradesc.files.frame_baking import Baker, FrameRequest, Task, at_frame
 
 from ..scene import delivery, mesh_io, source_meshes, surface_maps
-from ..scene.mesh_io import refuse
 from . import pausing
 
 OWN_VERTICES = (
@@ -62,7 +61,7 @@ class FrameBaker(Baker):
             return
         notes = surface_maps.add_maps(self.target, arrays, self.request.maps)
         if arrays.maps is not None and arrays.maps.normals is not None:
-            raise refuse("Normal maps are followed in single bakes only; leave them out to bake frames.")
+            raise InputError("Normal maps are followed in single bakes only; leave them out to bake frames.")
         self.notes += [note for note in notes if note not in self.notes]
 
     def prepare(self, frame: int) -> Task | None:
@@ -90,22 +89,19 @@ class FrameBaker(Baker):
     @contextmanager
     def evaluating(self) -> Iterator[None]:
         """Hides modifiers that are not measured during evaluation; without a window, hold it over all frames."""
-        with pausing.held(), self.hiding() as hidden:
+        deformed = self.request.source == "deformed"
+        with pausing.held(), source_meshes.only_deforming(self.target) if deformed else nullcontext([]) as hidden:
             if hidden:
                 names = source_meshes.quoted(hidden)
                 sentence = f"Measured without the modifiers that change the vertices: {names}."
                 self.notes += [sentence] if sentence not in self.notes else []
             yield
 
-    def hiding(self) -> AbstractContextManager[list[str]]:
-        """Hides the modifiers that are not measured; yields their names."""
-        return source_meshes.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
-
     def take(self, reading: source_meshes.Reading) -> None:
         """Keeps a frame's reading and its notes. The next frame is read faster with it."""
         if reading.arrays.corner_vertices is not self.base.corner_vertices:
             if self.request.relative:
-                raise refuse(
+                raise InputError(
                     f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
                     f"with; choose the source {source_kinds.in_words('deformed')}."
                 )

@@ -6,31 +6,15 @@ locked.
 """
 
 import time
-from collections.abc import Iterator
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..bake.modal import ModalJob
 from ..scene import record, viewports
-from ..settings import hooks, looks
-from . import live, painting, pausing, unkeyed
-from .sessions import (
-    STATE,
-    collect,
-    forget_all,
-    holder_of,
-    is_live,
-    is_ours,
-    is_watched,
-    live_objects,
-    look_changed,
-    refresh,
-    refresh_window,
-    session_at,
-    start_timer,
-    switch_off,
-)
+from ..settings import looks
+from . import live, painting, pausing, sessions, unkeyed
+from .sessions import STATE
 
 # Seconds without another edit after which live values follow, and after a stroke in sculpt mode, whose end is seen.
 EDIT_DELAY, STROKE_DELAY = 0.2, 0.02
@@ -41,20 +25,20 @@ EDIT_DELAY, STROKE_DELAY = 0.2, 0.02
 
 def mode_changed(target: bpy.types.Object) -> None:
     """Reacts to live values of an object being switched on or off."""
-    other = holder_of(target)  # before this one counts
+    other = sessions.holder_of(target)  # before this one counts
     STATE.object_count = -1
-    if other is not None and is_live(target):
-        switch_off(target, shared_sentence(other))
+    if other is not None and sessions.is_live(target):
+        sessions.switch_off(target, shared_sentence(other))
         return
-    targets = live_objects()
+    targets = sessions.live_objects()
     for scene in target.users_scene:
         lock_interface(scene, any(item in targets for item in scene.objects if item.type == "MESH"))
     if target not in targets:
         return
     target.paradesc_live.sentence = ""
     record.forget(target.data, live.RADII)
-    refresh_window([target])
-    session = session_at(target)
+    sessions.refresh_window([target])
+    session = sessions.session_at(target)
     if session is not None and target.paradesc_live.mode != "OFF":
         session.reveal(target)
         viewports.reveal(bpy.context)
@@ -80,7 +64,7 @@ def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
 @persistent
 def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Follows another frame. Between the frames of a render, motion blur needs shapes only, so nothing is done."""
-    targets = live_objects()
+    targets = sessions.live_objects()
     if depsgraph is not None and painting.is_of_view_layer(depsgraph):
         unkeyed.forget()  # Blender has animated this frame itself
     if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
@@ -88,24 +72,27 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
     between = STATE.render_time is not None and scene.frame_current_final != STATE.render_time
     if depsgraph.mode == "RENDER" and between:
         return
-    refresh(scene, depsgraph, targets, depsgraph.mode != "RENDER" and is_watched())
+    sessions.refresh(scene, depsgraph, targets, depsgraph.mode != "RENDER" and sessions.is_watched())
 
 
 @persistent
 def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Follows an edit: if it changed the shape of a live object, its values follow once editing pauses."""
-    targets = live_objects()
+    targets = sessions.live_objects()
     if depsgraph is not None and painting.is_of_view_layer(depsgraph) and not STATE.rendering:
         unkeyed.restore()
     if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
         lock_interface(scene, needed=False)  # the last one was deleted
-    if not targets or depsgraph is None or is_ours():
+    if not targets or depsgraph is None or sessions.is_ours():
         return
-    hit = list(edited_objects(targets, depsgraph))
+    touched = {update.id.original for update in depsgraph.updates}
+    changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
+    # Strokes of sculpt mode only tag the object as updated.
+    hit = [item for item in targets if {item, item.data} & (touched if item.mode == "SCULPT" else changed)]
     if not hit and not settings_changed(targets, scene, depsgraph):
         return
     for target in hit:
-        session = session_at(target)
+        session = sessions.session_at(target)
         if session is None or target.mode == "SCULPT":  # strokes move vertices, and change nothing else
             continue
         if session.wrote:  # most likely it is that; and if not, a comparison at rest will tell
@@ -113,16 +100,7 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
         else:
             session.edited = True
     STATE.edited_at = time.monotonic()
-    start_timer(follow_edits, delay_of(targets))
-
-
-def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """The objects whose geometry the depsgraph has evaluated again. Sculpt strokes only tag the object as updated."""
-    touched = {update.id.original for update in depsgraph.updates}
-    changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
-    for target in targets:
-        if {target, target.data} & (touched if target.mode == "SCULPT" else changed):
-            yield target
+    sessions.start_timer(follow_edits, delay_of(targets))
 
 
 def settings_changed(
@@ -131,8 +109,8 @@ def settings_changed(
     """Whether the scene's settings differ from those with which the values on the objects were computed."""
     if not any(update.id.original == scene for update in depsgraph.updates):
         return False
-    sessions = filter(None, map(session_at, targets))
-    return any(session.scene_name == scene.name and not session.has_settings(scene) for session in sessions)
+    asked = filter(None, map(sessions.session_at, targets))
+    return any(session.scene_name == scene.name and not session.has_settings(scene) for session in asked)
 
 
 def delay_of(targets: list[bpy.types.Object]) -> float:
@@ -144,7 +122,7 @@ def follow_edits() -> float | None:
     """A timer that returns the seconds until its next call, or None once all values are up to date."""
     if STATE.edited_at is None:
         return None
-    delay = delay_of(live_objects())
+    delay = delay_of(sessions.live_objects())
     left = STATE.edited_at + delay - time.monotonic()
     if left > 0:
         return left
@@ -155,7 +133,7 @@ def follow_edits() -> float | None:
     STATE.edited_at = None
     for session in STATE.sessions.values():
         session.edited = session.edited or session.unsure
-    refresh_window(live_objects(), watched=True)
+    sessions.refresh_window(sessions.live_objects(), watched=True)
     return None
 
 
@@ -163,7 +141,7 @@ def follow_edits() -> float | None:
 def on_render_start(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
     """Notes that a render begins: from now on the events of windows wait."""
     STATE.rendering = True
-    if any(item in live_objects() for item in scene.objects if item.type == "MESH"):
+    if any(item in sessions.live_objects() for item in scene.objects if item.type == "MESH"):
         lock_interface(scene, needed=True)
 
 
@@ -182,7 +160,7 @@ def on_render_end(_scene: bpy.types.Scene, _depsgraph: object = None) -> None:
 @persistent
 def on_load_start(*_ignored: object) -> None:
     """Forgets everything, because another file is being loaded."""
-    forget_all()
+    sessions.forget_all()
     unkeyed.forget()
     STATE.edited_at, STATE.render_time, STATE.rendering = None, None, False
 
@@ -193,7 +171,7 @@ def on_save(*_ignored: object) -> None:
     for _ in range(3):  # for the request under way, for the one that waits, and to see that none is left
         if not any(session.busy for session in STATE.sessions.values()):
             break
-        collect(wait=True)
+        sessions.collect(wait=True)
 
 
 @persistent
@@ -205,7 +183,7 @@ def on_undo(*_ignored: object) -> None:
         session.edited = True
     if STATE.sessions:
         STATE.edited_at = time.monotonic()
-        start_timer(follow_edits, EDIT_DELAY)
+        sessions.start_timer(follow_edits, EDIT_DELAY)
 
 
 HANDLERS = {
@@ -225,16 +203,14 @@ classes = ()
 
 
 def register() -> None:
-    """Adds each handler to Blender, once."""
-    hooks.hang(HANDLERS)
-    looks.listen(look_changed)
+    """Listens to color settings."""
+    looks.listen(sessions.look_changed)
 
 
 def unregister() -> None:
-    """Removes the handlers and frees all sessions."""
-    hooks.take_down(HANDLERS)
-    looks.ignore(look_changed)
-    for function in (follow_edits, collect):
+    """Frees all sessions."""
+    looks.ignore(sessions.look_changed)
+    for function in (follow_edits, sessions.collect):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
-    forget_all()
+    sessions.forget_all()

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays, Options, ParadescError, ProgressFunction
+from paradesc.bridge import InputError, MeshArrays, Options, ParadescError, ProgressFunction
 from paradesc.core import advice, color_maps, fitting
 from paradesc.core.color_maps import Look, ValueRange
 from paradesc.core.job import Results, Settings, registry_row
@@ -19,10 +19,10 @@ from paradesc.core.stream import Stream
 from paradesc.files.frame_baking import with_fixed_radii
 
 from ..bake import sculpt_mask
-from ..scene import carrying, delivery, mesh_io, record, source_meshes, surface_maps
-from ..scene.mesh_io import refuse
+from ..scene import carrying, delivery, mesh_io, ownership, record, source_meshes, surface_maps
+from ..scene.arrays import set_values
 from ..settings import looks, properties
-from . import carried, painting, surfaces
+from . import painting, surfaces
 
 # Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
@@ -171,20 +171,45 @@ class Session:
         fresh_on_mesh = fresh or self.unpainted
         self.painter.carried = self.done.vertices is not None
         extras = list(mesh_io.extras_on(target.data, self.results))
-        changed = painting.paint(self.painter, target, self.values(self.own(), extras), ranges, fresh_on_mesh)
+        changed = self.painter.paint(target, self.values(self.own(), extras), ranges, fresh_on_mesh)
         self.unpainted = False
+        rendering = depsgraph is not None and depsgraph.mode == "RENDER"
         if self.painter.carried and (changed or fresh_on_mesh):
-            rendering = depsgraph is not None and depsgraph.mode == "RENDER"
-            made = carried.Made(self.done.arrays, self.keeps_own, self.earlier, rendering)
-            carried.paint(self.painter, target, self.values(self.results, extras), made)
+            self.carry(target, self.values(self.results, extras), rendering)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
-            if depsgraph is None or depsgraph.mode != "RENDER":
+            if not rendering:
                 self.show_radius(scene)
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
         return changed
+
+    def carry(self, target: bpy.types.Object, values: painting.Values, rendering: bool) -> None:
+        """Writes values to the vertices that modifiers made, on the same carrier as bakes.
+
+        A render never makes a carrier. If it finds one that does not fit, because the render has another subdivision
+        level, Blender interpolates the values of the object's own vertices there.
+        """
+        arrays, names, mesh = self.done.arrays, values.names(self.painter.at), carrying.carrier_of(target)
+        counts = (len(arrays.positions), len(arrays.corner_vertices))
+        fits = mesh is not None and painting.has_all(mesh, names)
+        fits = fits and counts == carrying.counts_of(carrying.modifier_of(target).node_group)
+        if rendering and not fits:
+            if self.keeps_own:
+                return
+            raise surfaces.lost(target)
+        if not fits:
+            earlier = {name: array for name, array in self.earlier.items() if name not in names}
+            mesh = delivery.carrier_mesh(target, arrays, not self.keeps_own, earlier)
+            mesh_io.make_attributes(mesh, names)
+        ownership.forget(mesh, names)
+        for name, array in self.painter.attribute_values(values):
+            set_values(mesh.attributes[name], array)
+        if not fits:
+            painting.leave_record(mesh, values, self.painter.ranges, self.painter.at)
+            carrying.carry(target, mesh, counts, not self.keeps_own)
+        mesh.update()
 
     def show_radius(self, scene: bpy.types.Scene) -> None:
         """Shows the fitted radius in the panel, as a bake does."""
@@ -222,13 +247,13 @@ class Session:
         topology = surfaces.topology_of(target, surface, settings, measures_maps(target))
         known = self.arrays is not None and topology == self.topology and surface.has_corners_of(self.arrays)
         settled = not self.edited or target.mode == "SCULPT"
-        if known and settled and (self.results is None or self.painter.is_there(target.data)):
+        if known and settled and (self.results is None or painting.has_all(target.data, self.painter.written)):
             return None
         mesh_io.check_writable(target)
         arrays = surface.read(target, settings)
         surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
-            raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
+            raise InputError("Live mode does not follow normal maps; switch Material Maps off.")
         self.edited = self.unsure = False
         if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
             self.close()
@@ -339,7 +364,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     settings = properties.job_settings(scene.paradesc)
     group = scene.paradesc_live
     if settings.space != "object":
-        raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
+        raise InputError("Live values are measured in object space; choose that, and apply the scale where it matters.")
     if follows_mesh(settings):  # the panel shows that of the newest bake
         settings = replace(settings, options=replace(settings.options, radius=Options().radius))
     if not is_quick(scene, rendering):

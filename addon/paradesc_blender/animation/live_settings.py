@@ -2,7 +2,8 @@
 
 import bpy
 
-from . import carried, handlers, painting, sessions
+from ..settings.hooks import OVERRIDABLE
+from . import handlers, painting, sessions
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -20,7 +21,6 @@ def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) ->
     handlers.mode_changed(group.id_data)
     if group.mode == "OFF":
         painting.leave(group.id_data)
-        carried.leave(group.id_data)
 
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -101,20 +101,6 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
 
 
-def follows(group: bpy.types.PropertyGroup) -> bool:
-    """Whether the object's values follow the animation."""
-    return group.mode == "LIVE"
-
-
-def follow(group: bpy.types.PropertyGroup, wanted: bool) -> None:
-    """Switches live values on or off."""
-    group.mode = "LIVE" if wanted else "OFF"
-
-
-# Characters are linked and overridden in studios, and their objects keep what is chosen for them.
-OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
-
-
 class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     """Live mode of one object."""
 
@@ -129,23 +115,15 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     follows: bpy.props.BoolProperty(
         name="Live",
         description="Values follow the animation, edits and renders: the mode Live, as one switch",
-        get=follows,
-        set=follow,
+        get=lambda group: group.mode == "LIVE",
+        set=lambda group, wanted: setattr(group, "mode", "LIVE" if wanted else "OFF"),
         override=OVERRIDABLE,
     )
     sentence: bpy.props.StringProperty(name="Message", description="Reason why live values were switched off")
 
 
 classes = (PARADESC_PG_live_range, PARADESC_PG_live, PARADESC_PG_live_object)
-
-
-def register() -> None:
-    """Gives scenes and objects their settings."""
-    bpy.types.Scene.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live)
-    bpy.types.Object.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live_object, override=OVERRIDABLE)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Object.paradesc_live
-    del bpy.types.Scene.paradesc_live
+GROUPS = {
+    (bpy.types.Scene, "paradesc_live"): PARADESC_PG_live,
+    (bpy.types.Object, "paradesc_live"): PARADESC_PG_live_object,
+}

@@ -7,8 +7,8 @@ from paradesc import bridge
 from ..bake.modal import ModalJob
 from ..scene import targets
 from ..settings import translation
+from ..settings.animation import cache_root, wanted_frames
 from . import sessions
-from .cache_places import cache_root, wanted_frames
 from .frame_batch import FrameBatch
 
 # In these modes the mesh is that of the object.
@@ -38,9 +38,8 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
 
     def finish(self, _context: bpy.types.Context) -> set[str]:
-        """Returns to the former frame, makes colors span all frames, and reports which frames exist now."""
+        """Makes colors span all frames, and reports which frames exist now."""
         batch = self.job
-        batch.close()
         if not self.report_pieces(batch):
             return {"CANCELLED"}
         batch.hold_ranges()
@@ -71,10 +70,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Whether the operator can run; the button's tooltip says why not."""
-        sentence = "" if sessions.live_objects() else "Switch an object to Live first"
-        if sentence:
-            cls.poll_message_set(translation.tooltip(sentence))
-        return not sentence
+        return translation.can_run(cls, "" if sessions.live_objects() else "Switch an object to Live first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Replaces the stored ranges by those of the present values."""

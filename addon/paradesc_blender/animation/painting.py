@@ -1,6 +1,7 @@
 """Writes values and their colors to the attributes of a mesh, frame after frame, with ranges that stay."""
 
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 
 import bpy
@@ -40,30 +41,31 @@ class Painter:
     at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
     carried: bool = False  # the values of other vertices are shown, and those of the mesh lie below them
 
-    def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
-        """Fills the attributes, and adds missing ones; False if they hold these values already."""
-        complete = self.is_complete(mesh, values)
+    def paint(self, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
+        """Fills the attributes of the object's mesh, and adds missing ones; False if they hold these values already.
+
+        Sculpt mode is left for a moment only where attributes are missing.
+        """
+        mesh, has_places = target.data, self.at.keys() == {*values.shown, *values.extras}
+        complete = has_places and has_all(mesh, values.names(self.at))
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
-        if not complete or ranges != self.ranges:
-            others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
-            mesh_io.make_attributes(mesh, values.names(self.at))
-            self.tables = {name: color_table(shown) for name, shown in ranges.items()}
-            self.ranges = ranges
-            leave_record(mesh, values, ranges, self.at)
-            if others and others != self.at:  # another mask was chosen
-                self.reveal(mesh, values)
-        ownership.forget(mesh, values.names(self.at))
-        if not self.carried:
-            carrying.release(mesh, values.names(self.at))
-        self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
-        for name, array in self.written.items():
-            arrays.set_values(mesh.attributes[name], array)
+        with nullcontext() if complete or target.mode != "SCULPT" else modes.object_mode(target):
+            if not complete or ranges != self.ranges:
+                others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
+                mesh_io.make_attributes(mesh, values.names(self.at))
+                self.tables = {name: color_table(shown) for name, shown in ranges.items()}
+                self.ranges = ranges
+                leave_record(mesh, values, ranges, self.at)
+                if others and others != self.at:  # another mask was chosen
+                    self.reveal(mesh, values)
+            ownership.forget(mesh, values.names(self.at))
+            if not self.carried:
+                carrying.release(mesh, values.names(self.at))
+            self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
+            for name, array in self.written.items():
+                arrays.set_values(mesh.attributes[name], array)
         return True
-
-    def is_complete(self, mesh: bpy.types.Mesh, values: Values) -> bool:
-        """Whether the mesh has an attribute for each of the values."""
-        return self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
 
     def reveal(self, mesh: bpy.types.Mesh, values: Values) -> None:
         """Makes the most telling of the written colors active, unless one of the written colors is active already."""
@@ -73,10 +75,6 @@ class Painter:
             surface = mesh_io.surface_of(mesh)
             seen = {name: mesh_io.extremes(*surface, values.shown[name], shown) for name, shown in self.ranges.items()}
             mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
-
-    def is_there(self, mesh: bpy.types.Mesh) -> bool:
-        """Whether the mesh still has all attributes that were written."""
-        return has_all(mesh, self.written)
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the attributes still hold what was written, without an undo or another change since."""
@@ -98,16 +96,6 @@ class Painter:
             yield self.at[name], np.ascontiguousarray(array, np.float32)
 
 
-def paint(
-    painter: Painter, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool
-) -> bool:
-    """Paints the object's mesh. Sculpt mode is left for a moment only where attributes are missing."""
-    if target.mode != "SCULPT" or painter.is_complete(target.data, values):
-        return painter.paint(target.data, values, ranges, fresh)
-    with modes.object_mode(target):
-        return painter.paint(target.data, values, ranges, fresh)
-
-
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
     """Whether the mesh has attributes with all these names."""
     return all(mesh.attributes.get(name) is not None for name in names)
@@ -123,24 +111,29 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
 
 
 def leave(target: bpy.types.Object) -> None:
-    """Keeps fingerprints of values that no longer change."""
-    mesh = target.data
-    if target.type == "MESH" and mesh.library is None and not mesh.is_editmode:
-        known = ownership.fingerprints(mesh)
-        ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
+    """Keeps fingerprints of values that no longer change, on the object's mesh and on its carrier's."""
+    if target.type != "MESH":
+        return
+    for mesh in (target.data, carrying.carrier_of(target)):
+        if mesh is not None and mesh.library is None and not mesh.is_editmode:
+            known = ownership.fingerprints(mesh)
+            ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
 
 
 def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Makes Blender evaluate the object's mesh again with its new attributes, and in this depsgraph the animation, too.
 
-    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. In a render or an
-    exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the animation
-    makes it, in the depsgraphs of all windows as well.
+    The depsgraph's copies of the mesh, its shape keys and its objects are made afresh from the originals. In a render
+    or an exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the
+    animation makes it, in the depsgraphs of all windows as well.
     """
     target.data.update()
     if depsgraph is None or is_of_view_layer(depsgraph):
         return
-    animated = [item for item in copied_with_mesh(target) if item.animation_data is not None]
+    mesh = target.data
+    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
+    copied = filter(None, (mesh, mesh.shape_keys, *objects))
+    animated = [item for item in copied if item.animation_data is not None]
     unkeyed.keep(animated)
     for datablock in animated:
         datablock.animation_data.action_influence = datablock.animation_data.action_influence
@@ -149,13 +142,6 @@ def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None 
 def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
     """Whether this is a view layer's own depsgraph, whose evaluation gives the originals their animated values."""
     return depsgraph.view_layer.depsgraph == depsgraph
-
-
-def copied_with_mesh(target: bpy.types.Object) -> list[bpy.types.ID]:
-    """The datablocks that Blender copies together with a mesh: itself, its shape keys and all objects that use it."""
-    mesh = target.data
-    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
-    return [mesh, *([] if mesh.shape_keys is None else [mesh.shape_keys]), *objects]
 
 
 # ---- Colors
@@ -172,15 +158,15 @@ def locked_ranges(
     if look.ranges:
         return {name: found(name, look) for name in names}
     follow_look(group, look)
-    stored = {item.name: (item.minimum, item.maximum) for item in group.ranges}
-    ranges = {}
+    stored, ranges = {item.name: item for item in group.ranges}, {}
     for name in names:
-        if name not in stored:
+        item = stored.get(name)
+        if item is None:
             shown = found(name, look)
             item = add_range(group, name, shown.minimum, shown.maximum)
-            stored[name] = (item.minimum, item.maximum)
-        low, high = stored[name]
-        ranges[name] = found(name, replace(look, ranges={"": (low, max(high, above(low)))}))
+        low = item.minimum
+        above = float(np.nextafter(np.float32(low), np.float32(np.inf)))  # so that a range is never empty
+        ranges[name] = found(name, replace(look, ranges={"": (low, max(item.maximum, above))}))
     return ranges
 
 
@@ -241,11 +227,6 @@ def add_range(group: bpy.types.PropertyGroup, name: str, minimum: float, maximum
     item = group.ranges.add()
     item.name, item.minimum, item.maximum = name, minimum, maximum
     return item
-
-
-def above(value: float) -> float:
-    """The next larger 32-bit float, so that a range is never empty."""
-    return float(np.nextafter(np.float32(value), np.float32(np.inf)))
 
 
 def color_table(shown: ValueRange) -> np.ndarray:

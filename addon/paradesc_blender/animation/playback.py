@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import color_maps, legend
 from paradesc.core.color_maps import AUTOMATIC, Look, ValueRange
 from paradesc.core.corners import ATTRIBUTE
@@ -16,9 +17,9 @@ from paradesc.core.job import UNDEFINED_MASK, registry_row
 from paradesc.files import cache
 
 from ..scene import mesh_io, record
-from ..scene.mesh_io import refuse
 from ..settings import looks
-from . import cache_places, live, painting, surfaces
+from ..settings.animation import object_cache
+from . import live, painting, surfaces
 
 # These values have no colors.
 EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
@@ -55,7 +56,7 @@ class Player:
             return False
         self.scene_name = scene.name
         start = time.perf_counter()
-        folder = cache_places.object_cache(scene, target)
+        folder = object_cache(scene, target)
         path = self.find(folder, scene.frame_current)
         if path is None or (self.note and scene.paradesc_live.missing == "COMPUTE"):
             return self.compute(target, depsgraph, scene)
@@ -66,7 +67,7 @@ class Player:
         if wanted != self.ranged:
             self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
-        changed = painting.paint(self.painter, target, self.values(), ranges, fresh)
+        changed = self.painter.paint(target, self.values(), ranges, fresh)
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
@@ -95,7 +96,7 @@ class Player:
         frame = cache.read_frame(path)
         count = len(target.data.vertices)
         if frame.vertex_count != count:
-            raise refuse(
+            raise InputError(
                 f'The frames in "{path.parent}" have {frame.vertex_count:,} vertices, but "{target.name}" has '
                 f"{count:,}; bake them again, or play them on their own object."
             )
@@ -106,7 +107,7 @@ class Player:
     def compute(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
         """Computes the values of a missing frame by a live session."""
         if scene.paradesc_live.missing != "COMPUTE":
-            raise refuse(f"{self.note} Bake frames first, or let missing ones be computed.")
+            raise InputError(f"{self.note} Bake frames first, or let missing ones be computed.")
         if self.session is None:
             self.session = live.Session()
         self.note = f"Frame {scene.frame_current} is not in the cache: computed."

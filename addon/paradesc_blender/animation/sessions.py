@@ -121,7 +121,8 @@ def refresh(
     wait = not watched or waits(scene, depsgraph)
     with our_turn(wait=depsgraph.mode == "RENDER") as ours:
         for target in targets if ours else ():
-            refresh_one(scene, depsgraph, target, wait)
+            with switching_off(target):
+                session_of(target).refresh(target, depsgraph, scene, wait)
     if not wait and any(session.busy for session in STATE.sessions.values()):
         start_timer(collect, COLLECT_STEP)
 
@@ -137,15 +138,12 @@ def is_watched() -> bool:
     return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
 
 
-def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
-    """Refreshes one object. An error ends its live values, and is reported in the panel and in a farm's log."""
-    with switching_off(target):
-        session_of(target).refresh(target, depsgraph, scene, wait)
-
-
 @contextmanager
 def switching_off(target: bpy.types.Object) -> Iterator[None]:
-    """Ends an object's live values if the body raises an error; an object that was deleted is forgotten."""
+    """Ends an object's live values if the body raises an error; an object that was deleted is forgotten.
+
+    The error is reported in the panel and in a farm's log.
+    """
     try:
         yield
     except ParadescError as error:

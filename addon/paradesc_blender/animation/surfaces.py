@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays
+from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.job import Settings, needs_uvs
 
 from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
-from ..scene.mesh_io import refuse
 from ..settings.snapshot import identity
 
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
@@ -57,7 +56,7 @@ def shown(
     if target.mode == "SCULPT" or still:
         yield Surface(own, False, own_positions(target), own)
         return
-    if source == source_kinds.EVALUATED and changes_faces(target, rendering):
+    if source == source_kinds.EVALUATED and changing(target, rendering):
         mesh = evaluated.to_mesh()
         try:
             generated = not source_meshes.same_vertices(mesh, own)
@@ -113,7 +112,7 @@ def places_of(target: bpy.types.Object, made: MeshArrays, rendering: bool) -> tu
 
 def lost(target: bpy.types.Object) -> Exception:
     """The error for modifiers that take vertices away."""
-    return refuse(f'The modifiers of "{target.name}" take vertices away, which Live needs: bake instead.')
+    return InputError(f'The modifiers of "{target.name}" take vertices away, which Live needs: bake instead.')
 
 
 def appends(target: bpy.types.Object, count: int, found: int, rendering: bool) -> bool:
@@ -136,13 +135,8 @@ def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bo
     return moved or nodes or bool(kinds - source_meshes.GENERATING - {"NODES"})
 
 
-def changes_faces(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether the modifiers in use may change the faces of the object's own mesh."""
-    return bool(changing(target, rendering))
-
-
 def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
-    """The modifiers in use that may make or remove vertices or faces."""
+    """The modifiers in use that may change the vertices or faces of the object's own mesh."""
     kinds = {*source_meshes.GENERATING, "NODES"}
     return [item for item in used(target, rendering) if item.type in kinds]
 

@@ -4,62 +4,45 @@ Blender evaluates animation only at a new frame, so a pose or a setting without 
 exporters with live values cause an earlier evaluation, in the windows, too. Afterwards, this module restores the pose.
 """
 
-from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Iterable
 
 import bpy
 
-from ..scene.curves import curves_of
+from ..scene.source_meshes import curves_of
 
-
-class Value(NamedTuple):
-    """The value of one animated property."""
-
-    path: str
-    index: int  # in an array, else 0
-    value: object
-
-
+Value = tuple[str, int, object]  # the path of an animated property, the index in an array or else 0, and the value
 _kept: dict[bpy.types.ID, list[Value]] = {}
 
 
 def keep(datablocks: Iterable[bpy.types.ID]) -> None:
     """Remembers the present values of animated properties, unless they are remembered already."""
     for datablock in datablocks:
-        if datablock not in _kept:
-            _kept[datablock] = list(values_of(datablock))
+        if datablock in _kept:
+            continue
+        kept = _kept[datablock] = []
+        keyed = ((curve.data_path, curve.array_index) for curve in curves_of(datablock.animation_data))
+        for path, index in dict.fromkeys(keyed):
+            try:
+                kept.append((path, index, value_at(datablock, path, index)))
+            except (LookupError, ValueError):
+                continue  # keys may outlive their property
 
 
 def restore() -> None:
     """Restores the remembered values that have changed since, and forgets all."""
     while _kept:
         datablock, values = _kept.popitem()
-        restore_values(datablock, values)
-
-
-def restore_values(datablock: bpy.types.ID, values: list[Value]) -> None:
-    """Restores the remembered values of one datablock that have changed since."""
-    for path, index, value in values:
-        try:
-            if value_at(datablock, path, index) != value:
-                set_value(datablock, path, index, value)
-        except (ReferenceError, LookupError, ValueError, AttributeError, TypeError):
-            continue  # the property is gone, or cannot be set
+        for path, index, value in values:
+            try:
+                if value_at(datablock, path, index) != value:
+                    set_value(datablock, path, index, value)
+            except (ReferenceError, LookupError, ValueError, AttributeError, TypeError):
+                continue  # the property is gone, or cannot be set
 
 
 def forget() -> None:
     """Drops the remembered values, because the frame changed, a step was undone, or another file was opened."""
     _kept.clear()
-
-
-def values_of(datablock: bpy.types.ID) -> Iterator[Value]:
-    """The values of all properties that have keys."""
-    keyed = ((curve.data_path, curve.array_index) for curve in curves_of(datablock.animation_data))
-    for path, index in dict.fromkeys(keyed):
-        try:
-            yield Value(path, index, value_at(datablock, path, index))
-        except (LookupError, ValueError):
-            continue  # keys may outlive their property
 
 
 def value_at(datablock: bpy.types.ID, path: str, index: int) -> object:

@@ -9,7 +9,7 @@ from paradesc.core import job
 
 from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import ObjectKey, Piece, Pieces, Work, computed, key_of
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Batch(Pieces):
 
     def work_on(self, piece: MeshBake) -> Work:
         """Reads a mesh and computes."""
-        target = piece.target()
+        target = find(piece.key)
         mesh_io.check_writable(target)
         read = targets.read(target, self.settings, self.request)
         piece.reading, piece.notes, piece.warnings, arrays = read.reading, read.notes, read.warnings, read.measured
@@ -62,4 +62,4 @@ class Batch(Pieces):
     def write(self, piece: MeshBake) -> None:
         """Writes one mesh's attributes."""
         piece.results.look = self.look
-        piece.notes += delivery.deliver(piece.target(), piece.results, piece.reading)
+        piece.notes += delivery.deliver(find(piece.key), piece.results, piece.reading)

@@ -1,4 +1,4 @@
-"""The radius of the panel as an option of operators, and fitted to the active mesh."""
+"""The mask and the radius of the panel as options of operators, and the radius fitted to the active mesh."""
 
 import math
 
@@ -8,9 +8,26 @@ from paradesc.bridge import ParadescError
 from paradesc.core import advice, fitting, members
 
 from ..scene import targets
-from ..settings import properties, translation
+from ..settings import presets, properties, translation
 
 PANEL = ("panel", "As Set", "The descriptors of the panel")
+
+
+class MaskOption:
+    """Adds a mask option to an operator, so that menus can run it for one mask. The panel's mask then follows."""
+
+    mask: bpy.props.EnumProperty(
+        name="Mask",
+        description="Mask to bake, or the descriptors of the panel",
+        items=[PANEL, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
+        default=PANEL[0],
+        options={"SKIP_SAVE"},
+    )
+
+    def take_mask(self, group: bpy.types.PropertyGroup) -> None:
+        """Sets the panel's mask to the operator's."""
+        if self.mask != PANEL[0]:
+            presets.choose_mask(group, self.mask)
 
 
 class RadiusOption:
@@ -66,10 +83,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a mesh object."""
-        there = targets.first(context) is not None
-        if not there:
-            cls.poll_message_set(translation.tooltip("Select a mesh object first"))
-        return there
+        return translation.can_run(cls, "" if targets.first(context) else "Select a mesh object first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reads the mesh by its source, and shows the radius that the next bake will have."""

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import job, transfer
 from paradesc.core.color_maps import MASKS
-from paradesc.files import image_files, marks
+from paradesc.files import file_names, image_files, marks
 from paradesc.files.results import file_fault, write_whole
 
-from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
+from ..scene import image_nodes, image_results, images, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
-from .pieces import ObjectKey, Piece, Pieces, Work, computed, file_word, find, key_of
+from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
 # The native library's warning contains these words if it computed on another layout than the UV map.
 LAID_OUT = "laid out afresh"
@@ -34,12 +35,7 @@ class TextureBake(Piece):
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
     images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
-    placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
-
-    def drop(self) -> None:
-        """Forgets the textures."""
-        self.textures = self.computed = None
 
     def result(self, size: int) -> image_results.ImageBake:
         """The record of the bake that the mesh keeps, made once its images are loaded."""
@@ -81,9 +77,13 @@ class ImageBatch(Pieces):
         self.folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
         self.started = time.monotonic()
         self.cage = group.cage
-        super().__init__(paired(context) if onto else alone(context))
+        if onto:
+            found = [TextureBake(key_of(low), [*map(key_of, highs)]) for low, highs in pairs.chosen(context).items()]
+        else:
+            found = [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
+        super().__init__(found)
         for piece in self.pieces:
-            piece.stem = file_word(piece.name)
+            piece.stem = file_names.cut(bpy.path.clean_name(piece.name))  # two objects may get the same
         # With one scale for several meshes none is drawn before all are computed.
         self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
         self.round = 1
@@ -101,16 +101,6 @@ class ImageBatch(Pieces):
             self.choice = replace(self.choice, look=job.with_one_scale(self.choice.look, measured))
             self.round, self.current = self.rounds, 0
             yield from super().work()
-
-    @property
-    def written(self) -> list[TextureBake]:
-        """The meshes whose textures are in place."""
-        return [piece for piece in self.pieces if piece.textures is not None]
-
-    @property
-    def seconds(self) -> float:
-        """The seconds that the work has lasted."""
-        return time.monotonic() - self.started
 
     def work_on(self, piece: TextureBake) -> Work:
         """Reads a mesh and computes its textures, or draws those that were computed in the first round."""
@@ -133,11 +123,11 @@ class ImageBatch(Pieces):
 
     def measuring(self, piece: TextureBake) -> Callable[..., object]:
         """Reads a mesh; returns the work that measures it."""
-        target = piece.target()
+        target = find(piece.key)
         if self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
             if fault:
-                raise mesh_io.refuse(fault)
+                raise InputError(fault)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
         read, piece.over = uv_maps.read_over(target, self.settings, own)
         piece.told = [piece.over.note] if piece.over.note else []
@@ -159,20 +149,16 @@ class ImageBatch(Pieces):
         return partial(run, piece.stem, image_files.Onto(low, highs, self.cage), self.settings, self.choice)
 
     def close(self) -> None:
-        """Cancels the remaining work, waits for it, and removes UV maps that no image uses. Safe to call again."""
+        """Cancels the remaining work, waits for it, and removes new UV maps that no image uses. Safe to call again."""
         super().close()
         for piece in self.pieces:
             if piece.over is not None and piece.over.made and not piece.images:
                 with self.attempt(piece):
-                    self.take_map_away(piece)
+                    target, name = find(piece.key), piece.over.name
+                    kept = (other for other in self.pieces if other.images and other.over.name == name)
+                    if all(find(other.key).data != target.data for other in kept):
+                        uv_maps.remove(target, name)
                 piece.over = None
-
-    def take_map_away(self, piece: TextureBake) -> None:
-        """Removes the UV map that was made for a mesh, unless finished images of another object with it use the map."""
-        target, name = piece.target(), piece.over.name
-        kept = (other for other in self.pieces if other.images and other.over.name == name)
-        if all(other.target().data != target.data for other in kept):
-            uv_maps.remove(target, name)
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
@@ -184,14 +170,15 @@ class ImageBatch(Pieces):
 
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
-        target = piece.target()
+        target = find(piece.key)
         made = piece.textures.by_name()
         piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
         if self.to_material:
-            uv_map, repeats = uv_maps.not_rendered(target.data, piece.over.name), piece.over.repeats
-            holds = [textures[0].holds for textures in made.values()]
-            rows = zip(piece.images, holds, strict=True)
-            found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
+            layer = target.data.uv_layers.get(piece.over.name)
+            # Materials that name no map would render another one.
+            uv_map = piece.over.name if layer is not None and not layer.active_render else ""
+            rows = zip(piece.images, made.values(), strict=True)
+            found = [image_nodes.Texture(image, own[0].holds, uv_map, piece.over.repeats) for image, own in rows]
             piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
         image_results.keep(target.data, piece.result(self.choice.size))
 
@@ -202,7 +189,7 @@ class ImageBatch(Pieces):
         """
         owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
-        place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
+        place = images.free_name(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
             piece.told.append(
                 f'"{name}" is not the image that a bake of "{piece.name}" made, or was changed, and is kept; the '
@@ -215,16 +202,4 @@ class ImageBatch(Pieces):
             return images.from_memory(place, tiles, owner["object"])
         for own, content in zip(map(self.folder.joinpath, names), tiles.values(), strict=True):
             write_whole(own, content, Path.write_bytes)
-            piece.placed.append(own)
         return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
-
-
-def alone(context: bpy.types.Context) -> list[TextureBake]:
-    """One piece for each chosen mesh."""
-    return [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
-
-
-def paired(context: bpy.types.Context) -> list[TextureBake]:
-    """One piece for each low-poly object."""
-    found = pairs.chosen(context)
-    return [TextureBake(key_of(low), [key_of(high) for high in highs]) for low, highs in found.items()]

@@ -1,13 +1,15 @@
 """The operators that bake textures, of the selected meshes or of one onto another, as one step to undo."""
 
+import time
+
 import bpy
 
 from ..scene import image_preview, pairs, targets
 from ..settings.translation import said
-from .fit import RadiusOption
+from .fit import MaskOption, RadiusOption
 from .image_batch import ImageBatch
-from .mask_option import MaskOption
 from .modal import ModalJob
+from .pieces import find
 
 
 class ImageJob(MaskOption, RadiusOption, ModalJob):
@@ -31,7 +33,7 @@ class ImageJob(MaskOption, RadiusOption, ModalJob):
             return {"CANCELLED"}
         for piece in batch.written:
             made = piece.result(batch.choice.size)
-            image_preview.reveal(piece.target(), piece.images[piece.textures.most_telling()], made.uv_map, made.cage)
+            image_preview.reveal(find(piece.key), piece.images[piece.textures.most_telling()], made.uv_map, made.cage)
         self.report({"WARNING" if batch.failed else "INFO"}, image_sentence(batch))
         return {"FINISHED"}
 
@@ -42,11 +44,7 @@ class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
     bl_idname = "paradesc.bake_image"
     bl_label = "Bake to Image"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the selected meshes cannot be read, or ""."""
-        return targets.reading_obstacle(context)
+    obstacle = staticmethod(targets.reading_obstacle)
 
 
 class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
@@ -108,7 +106,7 @@ def image_sentence(batch: ImageBatch) -> str:
         "what": what,
         "size": batch.choice.size,
         "where": where,
-        "seconds": f"{batch.seconds:.2f}",
+        "seconds": f"{time.monotonic() - batch.started:.2f}",
         "computed": f"{computed:.2f}",
         "device": found[0].device,
     }

@@ -6,7 +6,7 @@ import bpy
 
 from ..scene import image_preview, image_results, targets
 from ..scene.image_results import ImageBake
-from ..settings.translation import said, tooltip
+from ..settings.translation import can_run, said, tooltip
 
 
 class OfImage:
@@ -19,10 +19,7 @@ class OfImage:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a baked image of the active mesh."""
-        there = image_results.found(targets.first(context)) is not None
-        if not there:
-            cls.poll_message_set(tooltip("Bake this mesh to an image first"))
-        return there
+        return can_run(cls, "" if image_results.found(targets.first(context)) else "Bake this mesh to an image first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Finds the image and passes it to run(), which subclasses define."""

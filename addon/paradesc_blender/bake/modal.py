@@ -8,76 +8,57 @@ from paradesc.bridge import ParadescError
 
 from ..settings import translation
 from ..settings.snapshot import Snapshot
-from .pieces import Pieces, Steps, failures, report_all
+from .pieces import Pieces, failures, report_all
 
 # Events that move the view; everything else waits until the work has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
-
-
 # Events that can press a button in a sidebar, where Cancel is.
 BUTTON_EVENTS = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"}
 
 
 class ModalJob:
-    """Base of modal operators that run Steps. Subclasses define obstacle(), begin(), as_before and finish()."""
+    """Base of modal operators that run Pieces.
+
+    Subclasses define obstacle(context): one sentence about why the operator cannot run now, or ""; begin(context,
+    beside), which makes the work and raises what is wrong with settings or selection (beside: a window waits for it);
+    and finish(context), which writes and reports the results of self.job.
+    """
 
     # The work under way in the window, for the panel. A modal operator takes all events, so there is at most one.
-    running: Steps | None = None
+    running: Pieces | None = None
     # Seconds between two checks of the worker.
     timer_step = 0.1
     # The sentence after Esc.
     as_before = ""
 
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the operator cannot run now, or ""."""
-        raise NotImplementedError
-
-    def begin(self, context: bpy.types.Context, beside: bool) -> Steps:
-        """Makes the work from settings and selection; raises what is wrong with them. beside: there is a window."""
-        raise NotImplementedError
-
-    def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes the results of self.job and reports them."""
-        raise NotImplementedError
-
-    def finished(self, context: bpy.types.Context) -> set[str]:
-        """Finishes; after Esc it only reports that the job was cancelled."""
-        if not self.job.cancelled:
-            return self.finish(context)
-        self.report({"INFO"}, translation.said(self.as_before))
-        return {"CANCELLED"}
-
     def report_pieces(self, batch: Pieces) -> bool:
         """Reports notes, warnings and failures of all pieces; False if all of them failed."""
-        report_all(self.report, batch, batch.written)
+        report_all(self.report, batch)
+        lost = failures(batch)
         if not batch.written:
-            self.report({"ERROR"}, "\n".join(failures(batch)))
+            self.report({"ERROR"}, "\n".join(lost))
             return False
-        for sentence in failures(batch):
+        for sentence in lost:
             self.report({"WARNING"}, sentence)
         return True
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the operator can run; the button's tooltip says why not."""
-        sentence = "A bake is running; Esc cancels it" if ModalJob.running else cls.obstacle(context)
-        if sentence:
-            cls.poll_message_set(translation.tooltip(sentence))
-        return not sentence
+        running = "A bake is running; Esc cancels it" if ModalJob.running else ""
+        return translation.can_run(cls, running or cls.obstacle(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs all steps in a row, for scripts and background mode, where timers never fire."""
         if not self.has_begun(context, beside=False):
             return {"CANCELLED"}
-        ended = {"CANCELLED"}
         try:
             while not self.job.done:
                 self.job.step(wait=True)
-            ended = self.finished(context)
-        finally:  # also after Ctrl-C
-            self.end(ended)
-        return ended
+            return self.end(context)
+        except BaseException:  # such as Ctrl-C
+            self.give_up()
+            raise
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Starts the work; modal() continues it."""
@@ -104,11 +85,23 @@ class ModalJob:
             return False
         return True
 
-    def end(self, ended: set[str]) -> None:
-        """Ends the work. If it produced nothing, the settings become what they were before begin() changed them."""
+    def end(self, context: bpy.types.Context) -> set[str]:
+        """Finishes the work, unless it was cancelled."""
+        if self.job.cancelled:
+            self.report({"INFO"}, translation.said(self.as_before))
+            ended = {"CANCELLED"}
+        else:
+            ended = self.finish(context)
+        if ended == {"FINISHED"}:
+            self.job.close()
+        else:
+            self.give_up()
+        return ended
+
+    def give_up(self) -> None:
+        """Closes work that produced nothing; the settings become what they were before begin() changed them."""
         self.job.close()
-        if ended != {"FINISHED"}:
-            self.before.restore()
+        self.before.restore()
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Shows progress, cancels on Esc, and finishes when all is done."""
@@ -126,16 +119,14 @@ class ModalJob:
                 self.show_progress(context)
                 return {"RUNNING_MODAL"}
             self.clean_up(context)
-            ended = self.finished(context)
+            return self.end(context)
         except BaseException:
             self.cancel(context)
             raise
-        self.end(ended)
-        return ended
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Cleans up when Blender ends the operator itself, for example because another file is loaded."""
-        self.end({"CANCELLED"})
+        self.give_up()
         self.clean_up(context)
 
     def show_progress(self, context: bpy.types.Context) -> None:
@@ -161,7 +152,7 @@ class ModalJob:
         redraw_sidebars(context)
 
 
-def progress_text(job: Steps) -> str:
+def progress_text(job: Pieces) -> str:
     """The progress in words: stage and percentage."""
     return translation.label("{stage}, {percent} %").format(stage=job.stage, percent=f"{100 * job.fraction:.0f}")
 

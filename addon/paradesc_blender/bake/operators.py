@@ -6,13 +6,11 @@ from paradesc.bridge import ParadescError, abi
 from paradesc.core import devices, legend
 
 from ..scene import mesh_io, modes, targets, viewports
-from ..scene.targets import obstacle
 from ..settings import translation
 from ..settings.looks import COLORS
 from ..settings.properties import property_of
 from .batch import Batch
-from .fit import RadiusOption
-from .mask_option import MaskOption
+from .fit import MaskOption, RadiusOption
 from .modal import ModalJob
 
 # The line of a bake lists so many names of skipped objects at most.
@@ -21,45 +19,29 @@ BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 LEVELS = ("contrast", "brightness", "invert")
 
 
-class LevelsOption:
-    """Adds levels to an operator. The redo panel can change them, and the sidebar's levels then follow."""
-
-    contrast: property_of(COLORS["contrast"], options={"SKIP_SAVE"})
-    brightness: property_of(COLORS["brightness"], options={"SKIP_SAVE"})
-    invert: property_of(COLORS["invert"], options={"SKIP_SAVE"})
-
-    def take_levels(self, group: bpy.types.PropertyGroup) -> None:
-        """Sets the scene's levels to those that the operator was given."""
-        for name in LEVELS:
-            if self.properties.is_property_set(name) and getattr(self, name) != getattr(group, name):
-                setattr(group, name, getattr(self, name))
-
-    def show_levels(self, group: bpy.types.PropertyGroup) -> None:
-        """Copies the scene's levels to the operator, so that the redo panel starts from them."""
-        for name in LEVELS:
-            setattr(self, name, getattr(group, name))
-
-
-class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.types.Operator):
+class PARADESC_OT_bake(MaskOption, RadiusOption, ModalJob, bpy.types.Operator):
     """Measure the selected meshes at every vertex, and show the mask as vertex colors"""
 
     bl_idname = "paradesc.bake"
     bl_label = "Bake Mask"
     bl_options = {"REGISTER", "UNDO"}
     as_before = "Cancelled; every mesh is as it was"
+    obstacle = staticmethod(targets.obstacle)
 
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the selected meshes cannot be read or written, or ""."""
-        return obstacle(context)
+    # The redo panel can change the levels, and those of the sidebar then follow.
+    contrast: property_of(COLORS["contrast"], options={"SKIP_SAVE"})
+    brightness: property_of(COLORS["brightness"], options={"SKIP_SAVE"})
+    invert: property_of(COLORS["invert"], options={"SKIP_SAVE"})
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
         """Takes settings and selection, with or without a window. The operator's own options replace the panel's."""
-        group = context.scene.paradesc
+        group, looks = context.scene.paradesc, context.scene.paradesc_looks
         self.take_mask(group)
         self.take_radius(group)
         self.skipped = [item.name for item in targets.skipped(context)]
-        self.take_levels(context.scene.paradesc_looks)
+        for name in LEVELS:
+            if self.properties.is_property_set(name) and getattr(self, name) != getattr(looks, name):
+                setattr(looks, name, getattr(self, name))
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
@@ -68,11 +50,18 @@ class PARADESC_OT_bake(MaskOption, RadiusOption, LevelsOption, ModalJob, bpy.typ
         keep_for_undo(context)
         batch.finish(context)
         self.show_radius(context.scene.paradesc)
-        self.show_levels(context.scene.paradesc_looks)
+        for name in LEVELS:
+            setattr(self, name, getattr(context.scene.paradesc_looks, name))
         if not self.report_pieces(batch):
             return {"CANCELLED"}
         viewports.reveal(context)
-        self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch) + skipped_clause(self.skipped))
+        sentence = bake_sentence(batch)
+        if self.skipped:
+            names = ", ".join(f'"{name}"' for name in self.skipped[:LISTED])
+            names += ", …" if len(self.skipped) > LISTED else ""
+            clause = translation.said("; {count} skipped, not meshes: {names}")
+            sentence += clause.format(count=len(self.skipped), names=names)
+        self.report({"WARNING" if batch.failed else "INFO"}, sentence)
         return {"FINISHED"}
 
 
@@ -102,14 +91,6 @@ def bake_sentence(batch: Batch) -> str:
     return translation.said("{count} of {whole} meshes, {line}; without {lost}").format(**some)
 
 
-def skipped_clause(names: list[str]) -> str:
-    """The clause of a bake's line that names the skipped objects; "" if there are none."""
-    listed = ", ".join(f'"{name}"' for name in names[:LISTED]) + (", …" if len(names) > LISTED else "")
-    if not names:
-        return ""
-    return translation.said("; {count} skipped, not meshes: {names}").format(count=len(names), names=listed)
-
-
 class PARADESC_OT_make_local(bpy.types.Operator):
     """Make the meshes of the selected objects local to this file, so that they keep what is baked into them"""
 
@@ -121,9 +102,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a chosen mesh that is linked or an override."""
         found = any(targets.unwritable(target) for target in targets.chosen(context))
-        if not found:
-            cls.poll_message_set(translation.tooltip("Every selected mesh is already local"))
-        return found
+        return translation.can_run(cls, "" if found else "Every selected mesh is already local")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Makes objects and meshes local if they are linked or overrides; whatever else they use stays linked."""
@@ -166,10 +145,8 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a selected object that can be converted to a mesh."""
-        found = bool(targets.skipped(context))
-        if not found:
-            cls.poll_message_set(translation.tooltip("Select text, curves, surfaces or metaballs in object mode first"))
-        return found
+        missing = "Select text, curves, surfaces or metaballs in object mode first"
+        return translation.can_run(cls, "" if targets.skipped(context) else missing)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Converts the objects in place, as Blender does. Selection and active object stay."""

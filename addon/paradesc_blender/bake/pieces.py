@@ -8,7 +8,6 @@ import bpy
 
 from paradesc.bridge import ParadescError, ProgressFunction, abi
 from paradesc.core.threads import Worker
-from paradesc.files import file_names
 
 from ..settings.translation import label, said
 
@@ -42,14 +41,6 @@ class Piece:
         """The object's name, for sentences."""
         return self.key[0]
 
-    def target(self) -> bpy.types.Object:
-        """The mesh object; raises one sentence if it is gone."""
-        return find(self.key)
-
-    def drop(self) -> None:
-        """Drops what was computed, because something went wrong."""
-        self.results = None
-
 
 Work = Iterator[Worker | None]  # on the main thread; each worker that it yields has ended before it goes on
 
@@ -64,19 +55,39 @@ def computed(work: Callable[[ProgressFunction], object], name: str = "paradesc")
 
 # Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
 # then crashes if the process ends while a bake runs.
-class Steps:
-    """Runs the generator work() in steps, whenever the worker that it waits for has ended. Subclasses define work()."""
+class Pieces:
+    """Pieces processed one after another, in steps: work() goes on when the worker that it waits for ends.
 
-    def __init__(self) -> None:
-        """Starts with no worker under way."""
+    Subclasses define work_on(), which reads the mesh of a piece, computes, and keeps the results until those of all
+    pieces are there.
+    """
+
+    def __init__(self, pieces: list[Piece]) -> None:
+        """Starts before the first piece, with no worker under way."""
+        self.pieces = pieces
+        self.current = 0  # the number of pieces that are finished
         self.worker: Worker | None = None
         self.cancelled = False
         self.done = False  # whether no step is left, or the work is at rest after cancelling
         self._work = self.work()
 
     def work(self) -> Work:
-        """All of it. A yielded None lets the window breathe."""
-        raise NotImplementedError
+        """Processes all pieces. A yielded None lets the window breathe."""
+        for piece in self.pieces:
+            with self.attempt(piece):
+                yield from self.work_on(piece)
+            self.current += 1
+            if self.current < len(self.pieces):
+                yield None
+
+    @contextmanager
+    def attempt(self, piece: Piece) -> Iterator[None]:
+        """Makes an error the failure of this piece, so that the others go on."""
+        try:
+            yield
+        except ParadescError as error:
+            self.cancelled = self.cancelled or error.status == abi.STATUS_CANCELLED
+            piece.failure = error.sentence
 
     def step(self, wait: bool = False) -> None:
         """Goes on with the work if its worker has ended; wait: waits for that. A cancelled one is closed instead."""
@@ -107,39 +118,6 @@ class Steps:
         while not self.done:
             self.step(wait=True)
 
-
-class Pieces(Steps):
-    """Pieces processed one after another. Subclasses define work_on()."""
-
-    def __init__(self, pieces: list[Piece]) -> None:
-        """Starts before the first piece."""
-        super().__init__()
-        self.pieces = pieces
-        self.current = 0  # the number of pieces that are finished
-
-    def work(self) -> Work:
-        """Processes all pieces."""
-        for piece in self.pieces:
-            with self.attempt(piece):
-                yield from self.work_on(piece)
-            self.current += 1
-            if self.current < len(self.pieces):
-                yield None
-
-    def work_on(self, piece: Piece) -> Work:
-        """Reads the mesh of a piece, computes, and keeps the results until those of all pieces are there."""
-        raise NotImplementedError
-
-    @contextmanager
-    def attempt(self, piece: Piece) -> Iterator[None]:
-        """Makes an error the failure of this piece, so that the others go on."""
-        try:
-            yield
-        except ParadescError as error:
-            self.cancelled = self.cancelled or error.status == abi.STATUS_CANCELLED
-            piece.failure = error.sentence
-            piece.drop()
-
     @property
     def fraction(self) -> float:
         """The finished share of all the work."""
@@ -162,8 +140,8 @@ class Pieces(Steps):
 
     @property
     def written(self) -> list[Piece]:
-        """The pieces whose results are there, or in place by now."""
-        return [piece for piece in self.pieces if piece.results is not None]
+        """The pieces whose results are there once the work is done; none if it was cancelled."""
+        return [] if self.cancelled else [piece for piece in self.pieces if not piece.failure]
 
 
 def stage_words(worker: Worker | None) -> str:
@@ -171,30 +149,22 @@ def stage_words(worker: Worker | None) -> str:
     return label(STAGE_WORDS.get(worker.stage if worker else "read", "Measuring"))
 
 
-def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:
+def report_all(report: Callable[[set[str], str], None], batch: Pieces) -> None:
     """Reports the notes and warnings of written pieces, with the objects' names if there are several."""
     several = len(batch.pieces) > 1
-    for piece in written:
+    for piece in batch.written:
         for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):
             for sentence in dict.fromkeys(sentences):
                 report({kind}, f'"{piece.name}": {said(sentence)}' if several else said(sentence))
 
 
 def failures(batch: Pieces) -> list[str]:
-    """One sentence for each object that failed; with its name if there are several."""
-    if len(batch.pieces) == 1:
-        return [said(piece.failure) for piece in batch.failed]
-    return [with_name(piece.name, piece.failure) for piece in batch.failed]
-
-
-def file_word(name: str) -> str:
-    """An object's name as part of a file name. Two objects may get the same."""
-    return file_names.cut(bpy.path.clean_name(name))
-
-
-def with_name(name: str, failure: str) -> str:
-    """The sentence with the object's name in front, unless the sentence contains the name."""
-    return said(failure) if f'"{name}"' in failure else f'"{name}": {said(failure)}'
+    """One sentence for each object that failed; if there are several, with its name unless the sentence contains it."""
+    sentences = []
+    for piece in batch.failed:
+        is_clear = len(batch.pieces) == 1 or f'"{piece.name}"' in piece.failure
+        sentences.append(said(piece.failure) if is_clear else f'"{piece.name}": {said(piece.failure)}')
+    return sentences
 
 
 def find(key: ObjectKey) -> bpy.types.Object:

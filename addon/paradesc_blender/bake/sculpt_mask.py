@@ -12,7 +12,7 @@ from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties, translation
 from .fit import RadiusOption
 from .modal import ModalJob
-from .pieces import Piece, Pieces, Work, computed, key_of
+from .pieces import Piece, Pieces, Work, computed, find, key_of
 
 # The panel's masks whose values can be used as a sculpt mask as they are.
 MASKS = ("cavity", "edge_wear", "openness")
@@ -33,16 +33,19 @@ class MaskBatch(Pieces):
 
     def work_on(self, piece: Piece) -> Work:
         """Reads the mesh, with the shape key that is sculpted, and computes."""
-        read = targets.read(piece.target(), self.settings, targets.ReadRequest("active"))
+        read = targets.read(find(piece.key), self.settings, targets.ReadRequest("active"))
         settings = quick(self.settings, len(read.measured.triangle_corners))
         piece.results = yield from computed(partial(job.run, read.measured, settings))
         piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *read.warnings]
 
     def finish(self, invert: bool) -> None:
-        """Writes the mask; vertices without a value stay unmasked."""
+        """Writes the mask, over the range that a bake would show from black to white. No value leaves no mask."""
         for piece in self.written:
             with self.attempt(piece):
-                write(piece, invert)
+                ((name, values),) = piece.results.values.items()
+                shown = piece.results.shown(name)
+                weights = shown.shares(np.nan_to_num(values, nan=shown.minimum)).astype(np.float32)
+                sculpt_masks.write_shown(find(piece.key), 1 - weights if invert else weights)
 
 
 def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> job.Settings:
@@ -50,14 +53,6 @@ def quick(settings: job.Settings, triangles: int, fine: int | None = None) -> jo
     if triangles < (fine or FINE) or settings.options.normals != "fitted":
         return settings
     return replace(settings, options=replace(settings.options, normals="max"))
-
-
-def write(piece: Piece, invert: bool) -> None:
-    """Writes one mesh's mask, over the range that a bake would show from black to white."""
-    ((name, values),) = piece.results.values.items()
-    shown = piece.results.shown(name)
-    weights = shown.shares(np.nan_to_num(values, nan=shown.minimum)).astype(np.float32)
-    sculpt_masks.write_shown(piece.target(), 1 - weights if invert else weights)
 
 
 class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):

@@ -9,7 +9,6 @@ face, so the measured surface is the same with and without it.
 
 import hashlib
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -83,15 +82,6 @@ def carried_values(target: bpy.types.Object, mesh: bpy.types.Mesh) -> dict[str, 
     return {name: attribute_values(item) for name, item in found.items() if item.domain == "POINT"}
 
 
-@dataclass(frozen=True)
-class Measured:
-    """The counts of vertices and corners of the measured mesh, and how its values are stored."""
-
-    points: int
-    corners: int
-    by_place: bool  # of other vertices the nearest place counts, because modifiers lose own ones
-
-
 def emptied(target: bpy.types.Object) -> bpy.types.Mesh:
     """An empty mesh for carry(): that of the object's carrier if nothing else uses it, else a new one."""
     group = own_group(target)
@@ -104,28 +94,35 @@ def emptied(target: bpy.types.Object) -> bpy.types.Mesh:
     return mesh
 
 
-def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, measured: Measured) -> None:
+def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, counts: tuple[int, int], by_place: bool) -> None:
     """Makes this the carrier's mesh. From now on the modifier stores the attributes in its record.
+
+    counts: of vertices and corners of the measured mesh; of other meshes own vertices keep their values, or, by_place,
+    the nearest place counts, because modifiers lose own vertices.
 
     Objects with the same mesh before modifiers get the same modifier, as they share the values of their own vertices
     too. A group or carrier that other objects use as well, such as copies with their own mesh, is not changed.
     """
     own = own_group(target)
-    carrier = new_carrier(target, mesh) if own is None else held_by(own)
+    if own is None:
+        carrier = bpy.data.objects.new(f"{target.name} {CARRIER}", mesh)  # in no collection, so nothing shows it
+        carrier[MARK] = KIND
+    else:
+        carrier = held_by(own)
     kinds = [(name, kind_of(mesh.attributes[name])[0]) for name in record.attributes_of(mesh)]
-    group = group_for(own, kinds, measured.by_place)
+    group = group_for(own, kinds, by_place)
     group.nodes[CARRIER].inputs["Object"].default_value = carrier
-    for name, count in zip(COUNTS, (measured.points, measured.corners), strict=True):
+    for name, count in zip(COUNTS, counts, strict=True):
         integers(group.nodes[name])[1].default_value = count
     for item in [target, *(other for other in sharing(target.data) if other != target and other.modifiers)]:
         place(item, group)
     sweep()
 
 
-def measured_of(group: bpy.types.NodeTree) -> Measured:
-    """The counts in the nodes of a group, and how it stores values."""
+def counts_of(group: bpy.types.NodeTree) -> tuple[int, int]:
+    """The counts in the nodes of a group."""
     points, corners = (integers(group.nodes[name])[1].default_value for name in COUNTS)
-    return Measured(points, corners, any(node.bl_idname == NEAREST for node in group.nodes))
+    return points, corners
 
 
 def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
@@ -151,11 +148,11 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
         if modifier is not None and len(gone) == len(carried):
             remove_modifier(target, modifier)
         elif gone:
-            held, measured = carrier_of(target), measured_of(modifier.node_group)
+            held, group = carrier_of(target), modifier.node_group
             held = held.copy() if own_group(target) is None else held
             for name in gone:
                 held.attributes.remove(held.attributes[name])
-            carry(target, held, measured)
+            carry(target, held, counts_of(group), any(node.bl_idname == NEAREST for node in group.nodes))
     sweep()
 
 
@@ -178,13 +175,6 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
     )
     carrier = held_by(group)
     return group if group.users == used and carrier is not None and carrier.users == 1 else None
-
-
-def new_carrier(target: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """A new carrier. It is in no collection, so that no view layer shows, selects, renders or exports it."""
-    carrier = bpy.data.objects.new(f"{target.name} {CARRIER}", mesh)
-    carrier[MARK] = KIND
-    return carrier
 
 
 def remove_modifier(
@@ -235,16 +225,11 @@ def group_for(own: bpy.types.NodeTree | None, kinds: list[tuple[str, str]], by_p
 
 def structure(group: bpy.types.NodeTree) -> str:
     """A digest of a group's nodes and links, without sockets that are not linked: a newer Blender may change those."""
-    nodes = [(node.bl_idname, node.name, node.mute, name_in(node)) for node in group.nodes]
+    named = {node.name: node.inputs["Name"].default_value for node in group.nodes if "Name" in node.inputs}
+    nodes = [(node.bl_idname, node.name, node.mute, named.get(node.name, "")) for node in group.nodes]
     ends = [(link.from_node, link.from_socket, link.to_node, link.to_socket) for link in group.links]
     links = sorted(tuple(end.name for end in link) for link in ends)
     return hashlib.sha256(repr((nodes, links)).encode()).hexdigest()[:32]
-
-
-def name_in(node: bpy.types.Node) -> str:
-    """The name of the attribute that a node reads or stores, or ""."""
-    socket = node.inputs.get("Name")
-    return "" if socket is None else socket.default_value
 
 
 def build(group: bpy.types.NodeTree, kinds: list[tuple[str, str]], by_place: bool) -> None:

@@ -17,33 +17,26 @@ COPY_SUFFIX = "_paradesc"
 
 
 def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
-    """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them."""
+    """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them.
+
+    Those of a generated mesh are carried to it. The object's own vertices get their values, or the nearest ones.
+    """
     if not reading.generated:
         return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
-    with modes.object_mode(target):
-        return deliver_generated(target, results, reading)
-
-
-def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
-    """Carries the results to the generated mesh. The object's own vertices get their values, or the nearest ones."""
     arrays, is_lost = reading.arrays, reading.vertices is None
-    if is_lost:
-        reading = replace(reading, vertices=nearest(target.data, arrays))
-    own, triangles = on_original(results, reading), arrays.triangle_vertices
-    mesh_io.check_count(target.data, own)
-    at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
-    drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
-    mesh_io.write_at(target.data, own, at, drawn)
-    mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
-    mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-    carrying.carry(target, mesh, measured(arrays, is_lost))
-    return mesh_io.moved_notes(at)
-
-
-def measured(arrays: MeshArrays, is_lost: bool) -> carrying.Measured:
-    """The counts for the carrier; is_lost: whether the measured mesh lacks some of the object's own vertices."""
-    return carrying.Measured(len(arrays.positions), len(arrays.corner_vertices), is_lost)
+    with modes.object_mode(target):
+        if is_lost:
+            reading = replace(reading, vertices=nearest(target.data, arrays))
+        own, triangles = on_original(results, reading), arrays.triangle_vertices
+        mesh_io.check_count(target.data, own)
+        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
+        drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
+        mesh_io.write_at(target.data, own, at, drawn)
+        mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
+        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
+        carrying.carry(target, mesh, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
+        return mesh_io.moved_notes(at)
 
 
 def carrier_mesh(

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core import legend
 
-from . import mesh_io, node_groups
+from . import node_groups
 from .images import MARK, OBJECT
 
 FRAME = "Paradesc"
@@ -46,10 +47,11 @@ def add_to_material(target: bpy.types.Object, textures: list[Texture], active: i
     material = target.active_material
     if material is None:
         if target.data.library is not None or target.data.override_library is not None:
-            raise mesh_io.refuse(f'The mesh "{target.data.name}" is linked and has no material; make it local first.')
-        material = target.active_material = new_material(target.name)
+            raise InputError(f'The mesh "{target.data.name}" is linked and has no material; make it local first.')
+        material = target.active_material = bpy.data.materials.new(target.name)
+        material[MARK] = target.name
     if material.library is not None or material.override_library is not None:
-        raise mesh_io.refuse(f'The material "{material.name}" is linked from another file; make it local first.')
+        raise InputError(f'The material "{material.name}" is linked from another file; make it local first.')
     if material.node_tree is None:  # never since Blender 5
         material.use_nodes = True
     tree = material.node_tree
@@ -61,15 +63,6 @@ def add_to_material(target: bpy.types.Object, textures: list[Texture], active: i
     tree.nodes.active = nodes[active]
     if material.get(MARK):
         show(tree, nodes[active])
-    return material
-
-
-def new_material(name: str) -> bpy.types.Material:
-    """Makes a material with a shader only."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # never since Blender 5
-        material.use_nodes = True
-    material[MARK] = name
     return material
 
 

@@ -6,7 +6,6 @@ after an undo, too.
 """
 
 import atexit
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -14,7 +13,8 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from ..settings import preferences
+from ..settings import hooks, preferences
+from ..settings.looks import redraw
 from .arrays import read_array
 from .unwrap import read_uvs
 
@@ -74,8 +74,7 @@ def show(target: bpy.types.Object, image: bpy.types.Image, uv_map: str, nearer: 
     _shown[key_of(target)] = Shown(key_of(image), key_of(target.data), uv_map, nearer)
     if "handle" not in _kept and not bpy.app.background:
         _kept["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
-        for calls, function in handlers():
-            calls.append(function)
+        hooks.hang(FORGETTING)
         atexit.register(end)
     redraw()
 
@@ -101,21 +100,6 @@ def hide(target: bpy.types.Object | None = None) -> None:
     redraw()
 
 
-def redraw() -> None:
-    """Redraws all 3D viewports."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
-def handlers() -> list[tuple[list, Callable[..., None]]]:
-    """Blender's lists of handlers for changed meshes and opened files, each with our handler."""
-    calls = bpy.app.handlers
-    changes = (calls.depsgraph_update_post, calls.frame_change_post, calls.undo_post, calls.redo_post)
-    return [*((calls, forget_batches) for calls in changes), (calls.load_post, forget_file)]
-
-
 @persistent
 def forget_batches(_scene: object = None, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Makes changed meshes be read again when they are drawn; all meshes if Blender does not say which changed."""
@@ -132,6 +116,9 @@ def forget_file(*_words: object) -> None:
     """Stops showing all images, as objects in the newly opened file may have the same names."""
     _shown.clear()
 
+
+CHANGES = ("depsgraph_update_post", "frame_change_post", "undo_post", "redo_post")
+FORGETTING = {**dict.fromkeys(CHANGES, forget_batches), "load_post": forget_file}
 
 # ---- Drawing
 
@@ -249,6 +236,4 @@ def unregister() -> None:
     handle = _kept.pop("handle", None)
     if handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
-        for calls, function in handlers():
-            if function in calls:
-                calls.remove(function)
+        hooks.take_down(FORGETTING)

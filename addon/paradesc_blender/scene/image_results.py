@@ -63,11 +63,6 @@ def found(target: bpy.types.Object | None) -> ImageBake | None:
     return made if made is not None and made.images else None
 
 
-def is_packed(image: bpy.types.Image) -> bool:
-    """Whether the image's file is packed into the .blend."""
-    return image.packed_file is not None or len(image.packed_files) > 0
-
-
 def folder_of(image: bpy.types.Image) -> Path:
     """The folder with the image's file."""
     return Path(bpy.path.abspath(image.filepath)).parent

@@ -1,11 +1,12 @@
-"""Brings textures into Blender: as images of data, from files or packed into the .blend."""
+"""Brings textures into Blender: as images of data, from files or packed into the .blend, under names that are free."""
 
+import re
 import tempfile
 from pathlib import Path
 
 import bpy
 
-from paradesc.files import file_names, tile_names
+from paradesc.files import file_names, marks, tile_names
 
 # The custom property of images that were packed because the .blend had no folder, and of materials made for images.
 MARK = "paradesc_image"
@@ -32,7 +33,8 @@ def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image
     for other in there:
         if other != image:
             other.reload()
-    place(image, path)
+    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+        image.filepath_raw = bpy.path.relpath(str(path))
     image[OBJECT] = name
     return as_data(image) if made else image
 
@@ -46,7 +48,8 @@ def at_path(path: Path) -> list[bpy.types.Image]:
 
 def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
     """Loads a file, or UDIM tiles, into an image; a tiled image has exactly these tiles afterwards."""
-    unpack(image)
+    if image.packed_file is not None or len(image.packed_files):
+        image.unpack(method="REMOVE")  # a reload would keep packed contents
     image.source = "FILE" if tiles == [None] else "TILED"
     image.filepath_raw = str(path)
     image.reload()  # which takes in all tiles that lie there, of earlier bakes too
@@ -59,18 +62,6 @@ def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
         image.tiles.new(tile_number=number)
     image.tiles.active_index = 0
     image.alpha_mode = image.alpha_mode  # has Blender read the files of these tiles
-
-
-def unpack(image: bpy.types.Image) -> None:
-    """Removes packed contents, which a reload would keep."""
-    if image.packed_file is not None or len(image.packed_files):
-        image.unpack(method="REMOVE")
-
-
-def place(image: bpy.types.Image, path: Path) -> None:
-    """Makes the image's path relative to the .blend, if the preferences ask for relative paths."""
-    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
-        image.filepath_raw = bpy.path.relpath(str(path))
 
 
 def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:
@@ -106,3 +97,43 @@ def as_data(image: bpy.types.Image) -> bpy.types.Image:
     image.colorspace_settings.is_data = True
     image.alpha_mode = "CHANNEL_PACKED"
     return image
+
+
+# ---- Names
+
+
+def free_name(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> str:
+    """The name of an object's texture: that of its earlier, unchanged bake, or a free one, without suffix.
+
+    stem: the object in file names; word: the texture; folder: that of the .blend, or None if textures are packed.
+    """
+    names = (f"{one}_{word}" for one in file_names.numbered(stem))
+    there = [] if folder is None else list(folder.iterdir())
+
+    def is_free(name: str) -> bool:
+        if folder is not None:
+            return is_free_in_folder(folder / f"{name}.png", there, owner)
+        image = packed_as(name)
+        return image is None or (image.get(OBJECT) == owner["object"] and not is_edited(image))
+
+    return next(filter(is_free, names))
+
+
+def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool:
+    """Whether a texture's file, or those of all its tiles, are missing or are unchanged bakes of this owner.
+
+    A file that this .blend uses may have the mark of a former .blend.
+    """
+    pattern = re.compile(re.escape(file_names.folded(path.stem)) + r"(\.\d{4})?\.png")
+    files = [one for one in there if pattern.fullmatch(file_names.folded(one.name))]
+    loaded = at_path(path)
+    is_ours = any(image.get(OBJECT) == owner["object"] for image in loaded)
+    for found in (marks.owner_of_file(one) or {} for one in files):
+        if found.get("object") != owner["object"] or not (is_ours or found.get("blend") == owner["blend"]):
+            return False
+    return not any(is_edited(image) for image in loaded)
+
+
+def is_edited(image: bpy.types.Image) -> bool:
+    """Whether somebody has painted on an image, or has packed other contents than a bake's into the .blend."""
+    return image.is_dirty or any(marks.owner_of(item.packed_file.data) is None for item in image.packed_files)

@@ -35,21 +35,15 @@ def are_too_large(target: bpy.types.Object, source: str) -> bool:
         return False
     modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
     shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target
-    key = (
-        target.data.as_pointer(),
-        *map(counts, (target.data, shown.data)),
-        *((item.type, getattr(item, "levels", 0)) for item in modifiers),
-    )
+    # Counts are quick to get and seldom stay the same when a mesh changes.
+    counts = ((len(mesh.vertices), len(mesh.polygons)) for mesh in (target.data, shown.data))
+    levels = ((item.type, getattr(item, "levels", 0)) for item in modifiers)
+    key = (target.data.as_pointer(), *counts, *levels)
     if key not in _found:
         if len(_found) >= MOST_KEPT:
             _found.clear()
         _found[key] = measured(shown)
     return _found[key]
-
-
-def counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
-    """Counts of a mesh that are quick to get and seldom stay the same when the mesh changes."""
-    return len(mesh.vertices), len(mesh.polygons)
 
 
 def measured(shown: bpy.types.Object) -> bool:

@@ -17,11 +17,6 @@ from .arrays import read_array, read_corner_vertices, set_values
 Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
 
 
-def refuse(sentence: str) -> InputError:
-    """The error for a mesh that cannot be read or written."""
-    return InputError(sentence)
-
-
 def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
     """The object's own mesh (before modifiers), in object space; in edit mode as edited so far.
 
@@ -41,19 +36,22 @@ def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool 
 def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name: str) -> MeshArrays:
     """Reads a mesh's triangles as arrays; the mesh stays as it is."""
     if len(mesh.polygons) == 0:
-        raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
+        raise InputError(f'The mesh "{name}" has no faces; there is no surface to measure.')
+    (triangles, faces), flat, sharp = read_triangles(mesh), read_sharp(mesh, "face"), read_sharp(mesh, "edge")
     arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
-        triangle_corners=read_triangle_corners(mesh),
+        triangle_corners=triangles,
         corner_uvs=read_uvs(mesh),
         corner_normals=read_corner_normals(mesh) if corner_normals else None,
-        triangle_smooth=read_smooth(mesh),
-        sharp_edges=read_sharp_edges(mesh),
+        triangle_smooth=None if flat is None else (~flat)[faces].astype(np.uint8),
+        sharp_edges=None if sharp is None or not sharp.any() else read_edges(mesh)[sharp],
     )
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        arrays.uv_fault = uv_faults.with_others(reason, sound_maps(mesh, arrays.triangle_corners))
+        others = [layer for layer in mesh.uv_layers if layer != mesh.uv_layers.active]
+        sound = [layer.name for layer in others if not uv_faults.fault(unwrap.read_uvs(layer), triangles)]
+        arrays.uv_fault = uv_faults.with_others(reason, sound)
         arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
     return arrays
@@ -67,34 +65,29 @@ def read_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     return read_array(mesh.vertices, "co", np.float32, 3)
 
 
-def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
-    """Whether every face is a triangle with its corners in order; older files may have them elsewhere."""
+def read_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """(triangle_count, 3) int32 corners, as Blender divides faces, and (triangle_count,) int32 face of each triangle.
+
+    That is slow to read. A mesh of triangles avoids it, unless its file is old and has their corners in another order.
+    """
     count = len(mesh.polygons)
-    if len(mesh.loops) != 3 * count:
-        return False
-    if ".corner_vert" in mesh.attributes:
-        return True
-    return np.array_equal(read_array(mesh.polygons, "loop_start", np.int32), np.arange(0, 3 * count, 3))
-
-
-def read_triangle_corners(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(triangle_count, 3) int32 as Blender divides faces; that is slow to read, so a mesh of triangles avoids it."""
-    if has_triangles_only(mesh):
-        return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
+    whole = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    if len(mesh.loops) == 3 * count and (
+        ".corner_vert" in mesh.attributes
+        or np.array_equal(read_array(mesh.polygons, "loop_start", np.int32), whole[:, 0])
+    ):
+        return whole, np.arange(count, dtype=np.int32)
     mesh.calc_loop_triangles()
-    return read_array(mesh.loop_triangles, "loops", np.int32, 3)
+    corners = read_array(mesh.loop_triangles, "loops", np.int32, 3)
+    if hasattr(mesh, "loop_triangle_polygons"):
+        return corners, read_array(mesh.loop_triangle_polygons, "value", np.int32)
+    return corners, read_array(mesh.loop_triangles, "polygon_index", np.int32)  # before Blender 3.6
 
 
 def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(corner_count, 2) float32 of the active UV map, or None without one."""
     layer = mesh.uv_layers.active
     return None if layer is None else unwrap.read_uvs(layer)
-
-
-def sound_maps(mesh: bpy.types.Mesh, triangle_corners: np.ndarray) -> list[str]:
-    """The names of the other UV maps than the active one that are usable."""
-    others = [layer for layer in mesh.uv_layers if layer != mesh.uv_layers.active]
-    return [layer.name for layer in others if not uv_faults.fault(unwrap.read_uvs(layer), triangle_corners)]
 
 
 def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -108,47 +101,24 @@ def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
         mesh.free_normals_split()
 
 
-def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(triangle_count,) uint8, 0 for flat shading; None if everything is smooth."""
-    attribute = mesh.attributes.get("sharp_face")
+def read_sharp(mesh: bpy.types.Mesh, kind: str) -> np.ndarray | None:
+    """(n,) bool: which faces (kind: "face") are flat, or which edges ("edge") are sharp; None if none can be."""
+    attribute = mesh.attributes.get(f"sharp_{kind}")
     if attribute is not None:
-        face_smooth = ~read_array(attribute.data, "value", bool)
-    elif "position" in mesh.attributes:
+        return read_array(attribute.data, "value", bool)
+    if "position" in mesh.attributes:
         return None
-    else:
-        face_smooth = read_array(mesh.polygons, "use_smooth", bool)
-    return face_smooth[read_triangle_faces(mesh)].astype(np.uint8)
+    if kind == "face":
+        return ~read_array(mesh.polygons, "use_smooth", bool)
+    return read_array(mesh.edges, "use_edge_sharp", bool)
 
 
-def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(triangle_count,) int32 face of each triangle; before Blender 3.6 in a slower way."""
-    if has_triangles_only(mesh):
-        return np.arange(len(mesh.polygons), dtype=np.int32)
-    if hasattr(mesh, "loop_triangle_polygons"):
-        return read_array(mesh.loop_triangle_polygons, "value", np.int32)
-    return read_array(mesh.loop_triangles, "polygon_index", np.int32)
-
-
-def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(sharp_edge_count, 2) int32 vertex pairs, or None if there are none."""
-    attribute = mesh.attributes.get("sharp_edge")
-    if attribute is not None:
-        sharp = read_array(attribute.data, "value", bool)
-    elif "position" in mesh.attributes:
-        return None
-    else:
-        sharp = read_array(mesh.edges, "use_edge_sharp", bool)
-    if not sharp.any():
-        return None
+def read_edges(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(edge_count, 2) int32 vertex pairs."""
     attribute = mesh.attributes.get(".edge_verts")
     if attribute is not None:
-        return read_array(attribute.data, "value", np.int32, 2)[sharp]
-    return read_array(mesh.edges, "vertices", np.int32, 2)[sharp]
-
-
-def world_matrix(target: bpy.types.Object) -> np.ndarray:
-    """(4, 4) float64 matrix from object space to world space."""
-    return np.array(target.matrix_world, np.float64)
+        return read_array(attribute.data, "value", np.int32, 2)
+    return read_array(mesh.edges, "vertices", np.int32, 2)
 
 
 # ---- Writing
@@ -158,9 +128,9 @@ def check_writable(target: bpy.types.Object) -> None:
     """Raises if the object's mesh would lose the results when the file is loaded again."""
     mesh = target.data
     if mesh.library is not None or target.library is not None:
-        raise refuse(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
+        raise InputError(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
     if mesh.override_library is not None:
-        raise refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
         )
 
@@ -214,15 +184,17 @@ def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> D
     found = {}
     for name, values in results.values.items():
         shown = results.shown(name)
-        told = automatic(shown, results.look) | extremes(positions, triangles, values, shown)
-        found[name] = (shown, record.drawing_of(shown, results, name) | told)
+        row = record.drawing_of(shown, results, name)
+        if results.look.is_automatic(shown.diverging):  # recoloring goes back to this range
+            row["automatic"] = [shown.minimum, shown.maximum]
+        found[name] = (shown, row | extremes(positions, triangles, values, shown))
     return found
 
 
 def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
     """Raises if the mesh has changed its vertices since it was read."""
     if len(mesh.vertices) != len(results.coverage):
-        raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
+        raise InputError(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
 
 
 def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: Drawing) -> None:
@@ -231,7 +203,10 @@ def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: 
     names = attribute_names(results.values, extras, at)
     make_attributes(mesh, names)
     layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-    write_values(mesh, results.values, extras, {name: shown for name, (shown, _) in drawn.items()}, at)
+    for name, values in (results.values | extras).items():  # all exist: creating one moves the others in memory
+        set_values(mesh.attributes[at[name]], values)
+    for name, (shown, _) in drawn.items():
+        write_colors(mesh, at[name], results.values[name], shown)
     show(mesh, at[most_telling({name: row for name, (_, row) in drawn.items()})])
     ranges = {at[name]: shown for name, (shown, _) in drawn.items()}
     told = {at[name]: row for name, (_, row) in drawn.items()}
@@ -248,7 +223,7 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
             if mesh.attributes.get(name) is None:
                 made.append(make_attribute(mesh, name))
             if made and made[-1] not in names:
-                raise refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what has this name.')
+                raise InputError(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what has this name.')
     except (RuntimeError, ParadescError):
         for name in made:
             mesh.attributes.remove(mesh.attributes[name])
@@ -259,7 +234,7 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     """Creates one of our attributes; returns the name that Blender gave it."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
-        raise refuse(
+        raise InputError(
             f'Blender could not make the attribute "{name}" on the mesh "{mesh.name}"; rename what has this name.'
         )
     return attribute.name
@@ -271,21 +246,6 @@ def extras_on(mesh: bpy.types.Mesh, results: Results) -> dict[str, np.ndarray]:
     if not kept[UNDEFINED_MASK].any() and record.attribute_of(mesh, UNDEFINED_MASK) not in mesh.attributes:
         del kept[UNDEFINED_MASK]
     return kept
-
-
-def write_values(
-    mesh: bpy.types.Mesh,
-    values: dict[str, np.ndarray],
-    extras: dict[str, np.ndarray],
-    shown: dict[str, color_maps.ValueRange],
-    at: dict[str, str],
-) -> None:
-    """Fills the attributes. They all exist already, as creating one would move the others' values in memory."""
-    for name, own in values.items():
-        set_values(mesh.attributes[at[name]], own)
-        write_colors(mesh, at[name], own, shown[name])
-    for name, own in extras.items():
-        set_values(mesh.attributes[at[name]], own)
 
 
 def show(mesh: bpy.types.Mesh, name: str) -> None:
@@ -300,11 +260,6 @@ def most_telling(seen: dict[str, dict[str, float]]) -> str:
     first = next(iter(seen))
     dark = {name: row["dark"] for name, row in seen.items() if "dark" in row}
     return [*dark][color_maps.most_telling([*dark.values()])] if first in dark else first
-
-
-def automatic(shown: color_maps.ValueRange, look: color_maps.Look) -> dict[str, list[float]]:
-    """The range of a bake whose range was automatic, which recoloring goes back to."""
-    return {"automatic": [shown.minimum, shown.maximum]} if look.is_automatic(shown.diverging) else {}
 
 
 # So many faces suffice to estimate how much of a mask is black or white.

@@ -47,7 +47,7 @@ def leave_weights(mesh: bpy.types.Mesh, name: str, weights: np.ndarray) -> None:
 
 def forget(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     """Drops the fingerprints of attributes whose values keep changing."""
-    known, gone = fingerprints(mesh) if PROPERTY in mesh else {}, set(names)
+    known, gone = fingerprints(mesh), set(names)
     if gone & known.keys():
         keep(mesh, {name: text for name, text in known.items() if name not in gone})
 
@@ -95,7 +95,8 @@ def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindO
     It is the name itself, or has a number appended. A later bake finds the attributes of an earlier one again.
     """
     ours = set(record.attributes_of(mesh))
-    taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *group_names(mesh)}
+    user = next((item for item in bpy.data.objects if item.data == mesh), None)  # any knows the names of vertex groups
+    taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *(user.vertex_groups.keys() if user is not None else ())}
     candidates = list(itertools.islice(file_names.numbered(name), len(taken) + 2))
 
     def is_left(found: str) -> bool:
@@ -105,9 +106,3 @@ def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindO
 
     found = next(filter(is_left, candidates), None)
     return found or next(one for one in candidates if not any(one + end in taken for end in ends))
-
-
-def group_names(mesh: bpy.types.Mesh) -> set[str]:
-    """The names of vertex groups, which attributes cannot have. Any object with the mesh knows them."""
-    user = next((item for item in bpy.data.objects if item.data == mesh), None)
-    return set() if user is None else set(user.vertex_groups.keys())

@@ -6,7 +6,7 @@ from mathutils import Vector
 
 from paradesc.core import pair_names, transfer
 
-from . import mesh_io, targets
+from . import targets
 
 Pairs = dict[bpy.types.Object, list[bpy.types.Object]]
 
@@ -17,7 +17,10 @@ def chosen(context: bpy.types.Context) -> Pairs:
     if active is not None and active.mode != "OBJECT":
         return {}
     selected = targets.chosen(context)
-    named = named_among(context, selected)
+    named = {}
+    if any(pair_names.is_one_of_a_pair(item.name) for item in selected):
+        found = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
+        named = {low: highs for low, highs in found.items() if low in selected or set(highs) & set(selected)}
     return named or ({active: selected[1:]} if len(selected) > 1 and selected[0] == active else {})
 
 
@@ -30,28 +33,17 @@ def meant(context: bpy.types.Context) -> Pairs:
     if len(found) != 1:
         return found
     ((low, highs),) = found.items()
-    is_pair = len(highs) == 1 or pair_names.is_one_of_a_pair(low.name) or all(overlap(low, high) for high in highs)
-    return found if is_pair else {}
-
-
-def overlap(first: bpy.types.Object, second: bpy.types.Object) -> bool:
-    """Whether the world-space bounding boxes of two objects overlap."""
-    (low, high), (other_low, other_high) = bounds(first), bounds(second)
-    return bool((low <= other_high).all() and (other_low <= high).all())
+    if len(highs) == 1 or pair_names.is_one_of_a_pair(low.name):
+        return found
+    start, end = bounds(low)
+    overlap = ((start <= last).all() and (first <= end).all() for first, last in map(bounds, highs))
+    return found if all(overlap) else {}
 
 
 def bounds(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     """The (3,) minimum and maximum corners of an object's world-space bounding box."""
     corners = np.array([target.matrix_world @ Vector(corner) for corner in target.bound_box])
     return corners.min(axis=0), corners.max(axis=0)
-
-
-def named_among(context: bpy.types.Context, selected: list[bpy.types.Object]) -> Pairs:
-    """The pairs by name of which at least one object is selected."""
-    if not any(pair_names.is_one_of_a_pair(item.name) for item in selected):
-        return {}
-    named = by_name([item for item in context.view_layer.objects if item.type == "MESH"])
-    return {low: highs for low, highs in named.items() if low in selected or set(highs) & set(selected)}
 
 
 def by_name(objects: list[bpy.types.Object]) -> Pairs:
@@ -63,4 +55,4 @@ def by_name(objects: list[bpy.types.Object]) -> Pairs:
 
 def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
     """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, mesh_io.world_matrix(target))
+    return transfer.Part(target.name, read.arrays, read.measured, np.array(target.matrix_world))

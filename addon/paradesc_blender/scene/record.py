@@ -89,7 +89,10 @@ def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
 def facts_of(results: Results) -> dict[str, object]:
     """The facts of a computation as plain numbers, strings and lists: settings, reports, device, warnings, notes."""
     return {
-        "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
+        "settings": {
+            name: float(value) if isinstance(value, int) and abs(value) >= 2**31 else value  # Blender stores 32 bits
+            for name, value in results.settings.as_dict().items()
+        },
         "mesh_report": results.mesh_report,
         "field_report": results.field_report,
         "backend": results.backend,
@@ -116,8 +119,3 @@ def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, obje
         "radius": results.radius_of(name),
         "unit": legend.unit_of(name, results.settings.options.map_descriptor),
     }
-
-
-def storable(value: object) -> object:
-    """The value, as a float if it is an integer too large for Blender's 32-bit custom properties."""
-    return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value

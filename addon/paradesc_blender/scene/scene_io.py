@@ -9,7 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from paradesc.bridge import ParadescError, abi
+from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.core import source_kinds, welding
 from paradesc.core.standard_streams import quiet
 from paradesc.files import mesh_files
@@ -18,7 +18,7 @@ from paradesc.files.text_rows import MARK
 
 from . import carrying
 from .arrays import read_corner_vertices
-from .mesh_io import read_positions, refuse
+from .mesh_io import read_positions
 
 # The operators that import files of a suffix, with default options. The first one that this Blender has is used.
 IMPORTERS = {
@@ -62,19 +62,8 @@ def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
     added = sorted(set(bpy.data.objects) - before, key=lambda item: item.name)
     found = [item for item in added if item.type == "MESH" and not carrying.is_carrier(item)]
     if not found:
-        raise refuse(f'There is no mesh object in "{path}".')
+        raise InputError(f'There is no mesh object in "{path}".')
     return found
-
-
-@contextmanager
-def without_added() -> Iterator[None]:
-    """Removes, at the end, the objects that were added meanwhile. Data that only they use is then not saved."""
-    before = set(bpy.data.objects)
-    try:
-        yield
-    finally:
-        for item in set(bpy.data.objects) - before:
-            bpy.data.objects.remove(item)
 
 
 @contextmanager
@@ -84,9 +73,9 @@ def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
     Importers make 0 of NaN, and a mesh of half a file. So our own reader checks a file first, if it knows the format.
     """
     if path.suffix.lower() not in SUFFIXES:
-        raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
+        raise InputError(f'"{path}" is none of {", ".join(SUFFIXES)}.')
     if not is_file(path):
-        raise refuse(f'There is no file "{path}".')
+        raise InputError(f'There is no file "{path}".')
     faces = mesh_files.check(path)
     try:
         with quiet(verbose):
@@ -95,7 +84,7 @@ def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
         raise
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
         remedy = "; --reader files reads it" if faces else ""
-        raise refuse(f'Blender cannot read "{path}": {reason(error)}{remedy}.') from error
+        raise InputError(f'Blender cannot read "{path}": {reason(error)}{remedy}.') from error
 
 
 def imported(path: Path, faces: int) -> list[str]:
@@ -107,7 +96,7 @@ def imported(path: Path, faces: int) -> list[str]:
     found = sum(len(item.data.polygons) for item in set(bpy.data.objects) - objects if item.type == "MESH")
     if found < faces or (suffix == ".obj" and begins_with_mark(path)):
         lost = f"only {found:,} of its {faces:,} faces" if found < faces else "it without its first line"
-        raise refuse(f'Blender reads "{path}" wrongly, {lost}; --reader files reads all of it.')
+        raise InputError(f'Blender reads "{path}" wrongly, {lost}; --reader files reads all of it.')
     return weld_meshes(meshes) if suffix == ".stl" else []
 
 
@@ -123,7 +112,7 @@ def find_importer(suffix: str) -> object:
         if has_operator(name):
             category, _, member = name.partition(".")
             return getattr(getattr(bpy.ops, category), member)
-    raise refuse(
+    raise InputError(
         f"Blender {bpy.app.version_string} here was built without, or has switched off, its importer of {suffix}."
     )
 
@@ -198,7 +187,7 @@ def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
     if prefer_active and active is not None and active.type == "MESH":
         return active
     if not meshes:
-        raise refuse("There is no mesh object in the scene.")
+        raise InputError("There is no mesh object in the scene.")
     shapes = bone_shapes()
     return max([item for item in meshes if item not in shapes] or meshes, key=lambda item: len(item.data.vertices))
 
@@ -207,7 +196,7 @@ def find_object(name: str) -> bpy.types.Object:
     """The mesh object of that name."""
     found = bpy.context.scene.objects.get(name)
     if found is not None and found.type != "MESH":
-        raise refuse(f'The object "{name}" is not a mesh.')
+        raise InputError(f'The object "{name}" is not a mesh.')
     return found or find_among(mesh_objects(), name)
 
 
@@ -218,7 +207,7 @@ def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = Fals
         found = [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
     if not found:
         known = ", ".join(f'"{item.name}"' for item in objects[:8]) or "none"
-        raise refuse(f'There is no object "{name}"; mesh objects: {known}.')
+        raise InputError(f'There is no object "{name}"; mesh objects: {known}.')
     return found[0]
 
 
@@ -238,7 +227,7 @@ def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Obj
             continue
         sentences.append(f'The object "{item.name}" {reason} and was left out.')
     if not chosen:
-        raise refuse(" ".join(["There is no mesh object with faces in the scene that renders.", *sentences]))
+        raise InputError(" ".join(["There is no mesh object with faces in the scene that renders.", *sentences]))
     return sorted(chosen, key=lambda item: item.name), sentences
 
 

@@ -4,7 +4,9 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import mesh_io, modes
+from paradesc.bridge import InputError
+
+from . import modes
 from .arrays import read_array
 
 NAME = ".sculpt_mask"
@@ -36,10 +38,10 @@ def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
     """Replaces the mask of the object in sculpt mode by (n,) weights. Hidden vertices keep theirs, as in Blender."""
     mesh = target.data
     if target.mode != "SCULPT" or len(mesh.vertices) != len(weights):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
-    hidden, old = hidden_vertices(mesh), values(mesh)
-    if hidden.any():
-        weights = np.where(hidden, 0.0 if old is None else old, weights)
+        raise InputError(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
+    hidden, old = mesh.attributes.get(".hide_vert"), values(mesh)
+    if hidden is not None:
+        weights = np.where(read_array(hidden.data, "value", bool), 0.0 if old is None else old, weights)
     if bpy.app.background:  # without undo, which Blender's own operators on the mask rely on
         with modes.object_mode(target):
             write(target, weights)
@@ -71,21 +73,10 @@ def make_storage(target: bpy.types.Object) -> None:
         objects.active = active
 
 
-def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(n,) bool: which vertices are hidden."""
-    attribute = mesh.attributes.get(".hide_vert")
-    if attribute is None:
-        return np.zeros(len(mesh.vertices), bool)
-    return read_array(attribute.data, "value", bool)
-
-
 def sculpts_multires(target: bpy.types.Object) -> bool:
     """Whether strokes change the levels of Multires, which add-ons cannot access."""
-    for modifier in target.modifiers:
-        levels = modifier.type == "MULTIRES" and modifier.show_viewport and modifier.sculpt_levels > 0
-        if levels and not modifier.use_sculpt_base_mesh:
-            return True
-    return False
+    shown = (item for item in target.modifiers if item.type == "MULTIRES" and item.show_viewport)
+    return any(item.sculpt_levels > 0 and not item.use_sculpt_base_mesh for item in shown)
 
 
 def multires_obstacle(target: bpy.types.Object) -> str:

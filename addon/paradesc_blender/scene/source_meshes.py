@@ -12,14 +12,12 @@ from dataclasses import dataclass, field, replace
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays
+from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.source_kinds import NAMES
 
 from . import carrying, mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
-from .curves import curves_of
-from .mesh_io import refuse
 
 # Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
 GENERATING = {
@@ -41,9 +39,7 @@ class Reading:
     source: str
     vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
     own: bool = True  # every original vertex is among the arrays'
-    earlier: dict[str, np.ndarray] = field(
-        default_factory=dict
-    )  # values of earlier bakes that are carried, by attribute
+    earlier: dict[str, np.ndarray] = field(default_factory=dict)  # values of earlier bakes that are carried
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -55,7 +51,7 @@ class Reading:
 def check_source(source: str) -> None:
     """Raises if there is no source of this name."""
     if source not in NAMES:
-        raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
+        raise InputError(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
 
 
 def read(
@@ -94,11 +90,17 @@ def read(
         arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
         vertices = None if marks is None else carried(mesh, marks)
         earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
-    if former is not None and former.source == source and same_corners(former.arrays, arrays):
-        return replace(former, arrays=arrays)
+    if former is not None and former.source == source:
+        known = former.arrays
+        is_same = len(known.positions) == len(arrays.positions)
+        if is_same and np.array_equal(known.corner_vertices, arrays.corner_vertices):
+            return replace(former, arrays=arrays)
     if not placing:
         return Reading(arrays, source, own=False)
-    return placed(arrays, origins(target) if vertices is None else vertices, earlier)
+    vertices = origins(target) if vertices is None else vertices
+    is_lost = not len(vertices) or bool((vertices < 0).any())
+    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
+    return Reading(arrays, source, None if is_lost else vertices, not is_lost, earlier, notes)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
@@ -113,7 +115,7 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
         if not same_vertices(mesh, target.data):
             names = quoted([modifier.name for modifier in shown_modifiers(target)])
             others = source_kinds.in_words(source_kinds.EVALUATED, source_kinds.ORIGINAL)
-            raise refuse(
+            raise InputError(
                 f'The modifiers of "{target.name}" ({names}) change its faces and cannot be left out; choose the '
                 f"source {others}."
             )
@@ -121,24 +123,9 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
         return Reading(moved(mesh, base), "deformed", notes=notes)
 
 
-def placed(arrays: MeshArrays, vertices: np.ndarray, earlier: dict[str, np.ndarray]) -> Reading:
-    """The arrays that all modifiers made, with the places of the original vertices among them."""
-    notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
-    if not len(vertices) or (vertices < 0).any():
-        return Reading(arrays, "evaluated", None, own=False, earlier=earlier, notes=notes)
-    return Reading(arrays, "evaluated", vertices, earlier=earlier, notes=notes)
-
-
 def quoted(names: list[str]) -> str:
     """The names in quotation marks, between commas."""
     return ", ".join(f'"{name}"' for name in names)
-
-
-def check_maps(reading: Reading) -> None:
-    """Raises if there is a normal map but its tangents are not those of the measured mesh."""
-    maps = reading.arrays.maps
-    if maps is not None and maps.normals is not None and reading.source != "original":
-        raise refuse(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
 
 
 # ---- Evaluating
@@ -150,14 +137,14 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
-        raise refuse(
+        raise InputError(
             f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
             f"evaluate its modifiers; enable it, or choose the source {BASE}."
         )
     try:
         mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     except RuntimeError as error:
-        raise refuse(f'Blender cannot evaluate "{target.name}": {error}') from error
+        raise InputError(f'Blender cannot evaluate "{target.name}": {error}') from error
     try:
         yield mesh
     finally:
@@ -212,6 +199,18 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
     return [curve for curve in curves if curve.data_path == path and not curve.mute]
 
 
+def curves_of(animation: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
+    """The F-curves with keyframes, from the action or its strips; actions have layers since Blender 4.4."""
+    strips = (strip.action for track in animation.nla_tracks for strip in track.strips)
+    for action in filter(None, (animation.action, *strips)):
+        if getattr(action, "layers", None):
+            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+        else:
+            bags = (action,)
+        for bag in bags:
+            yield from bag.fcurves
+
+
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
     """The modifiers that are enabled in the viewport, without ours."""
     return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
@@ -224,13 +223,6 @@ def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
         and len(mesh.loops) == len(other.loops)
         and len(mesh.polygons) == len(other.polygons)
         and np.array_equal(read_corner_vertices(mesh), read_corner_vertices(other))
-    )
-
-
-def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
-    """Whether both arrays have the same number of vertices and the same corners."""
-    return len(arrays.positions) == len(others.positions) and np.array_equal(
-        arrays.corner_vertices, others.corner_vertices
     )
 
 
@@ -287,7 +279,7 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
         yield
         return
     if MARK in mesh.attributes:
-        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
+        raise InputError(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, because this name is needed.')
     active = mesh.attributes.active_index
     made = mesh.attributes.new(MARK, "FLOAT_VECTOR", "POINT")
     try:

@@ -6,13 +6,12 @@ import bmesh
 import bpy
 import numpy as np
 
-from paradesc.bridge import MeshArrays, SurfaceMaps
+from paradesc.bridge import InputError, MeshArrays, SurfaceMaps
 from paradesc.core import color_maps, spaces
 from paradesc.files.map_images import MapChoice, displacement_notes, luminance, of_files
 
 from . import mesh_io
 from .arrays import read_array, read_corner_vertices
-from .mesh_io import refuse
 
 ORIGINAL_FACE = "paradesc_face"
 
@@ -22,7 +21,7 @@ def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) ->
     if not choice.any:
         return []
     if target.data.uv_layers.active is None:
-        raise refuse(f'The mesh "{target.data.name}" has no UV map for displacement and normal maps; unwrap it.')
+        raise InputError(f'The mesh "{target.data.name}" has no UV map for displacement and normal maps; unwrap it.')
     maps = SurfaceMaps()
     notes = read_material(target, maps) if choice.material else of_files(choice, maps, read_file)
     if maps.normals is not None:
@@ -37,11 +36,11 @@ def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) ->
 def read_file(path: Path) -> tuple[np.ndarray, bool]:
     """(height, width, 4) float32 values of a file as they are, rows bottom-up, and whether that is over 8 bits."""
     if not path.is_file():
-        raise refuse(f'There is no image "{path}".')
+        raise InputError(f'There is no image "{path}".')
     try:
         image = bpy.data.images.load(str(path.resolve()), check_existing=False)
     except RuntimeError as error:
-        raise refuse(f'Blender cannot read the image "{path}".') from error
+        raise InputError(f'Blender cannot read the image "{path}".') from error
     try:
         image.colorspace_settings.name = "Non-Color"
         image.alpha_mode = "CHANNEL_PACKED"
@@ -54,10 +53,10 @@ def read_pixels(image: bpy.types.Image, name: str) -> np.ndarray:
     """(height, width, 4) float32 as the image holds them, rows bottom-up."""
     width, height = image.size
     if image.source == "TILED":
-        raise refuse(f'The image "{name}" has several tiles; only single images can be used as maps.')
+        raise InputError(f'The image "{name}" has several tiles; only single images can be used as maps.')
     count = len(image.pixels)
     if width == 0 or height == 0 or count == 0:
-        raise refuse(f'The image "{name}" has no pixels that Blender can read.')
+        raise InputError(f'The image "{name}" has no pixels that Blender can read.')
     pixels = np.empty(count, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, -1)
@@ -79,7 +78,7 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
     if image.is_float or space.is_data or space.name.startswith(("Raw", "Linear")):
         return pixels
     if space.name != "sRGB":
-        raise refuse(f'The image "{image.name}" is in the color space "{space.name}"; set it to Non-Color.')
+        raise InputError(f'The image "{image.name}" is in the color space "{space.name}"; set it to Non-Color.')
     pixels[..., :3] = color_maps.srgb_to_linear(pixels[..., :3])
     return pixels
 
@@ -97,7 +96,7 @@ def read_material(target: bpy.types.Object, maps: SurfaceMaps) -> list[str]:
         notes += read_displacement_node(target, material, output, maps)
         notes += read_normal_node(target, material, output, maps)
     if not notes:
-        raise refuse(
+        raise InputError(
             f'The material "{material.name}" has no Displacement or Normal Map node with an Image Texture; there is '
             "no map to use."
         )
@@ -110,10 +109,10 @@ def single_material(target: bpy.types.Object) -> bpy.types.Material:
     used = np.unique(read_array(target.data.polygons, "material_index", np.int32)) if slots else []
     found = {slots[min(index, len(slots) - 1)] for index in used} - {None}
     if not found:
-        raise refuse(f'The object "{target.name}" has no material to take maps from.')
+        raise InputError(f'The object "{target.name}" has no material to take maps from.')
     if len(found) > 1:
         names = ", ".join(sorted(f'"{material.name}"' for material in found))
-        raise refuse(f'The object "{target.name}" has several materials ({names}); maps can be used from one only.')
+        raise InputError(f'The object "{target.name}" has several materials ({names}); maps can be used from one only.')
     return found.pop()
 
 
@@ -126,7 +125,7 @@ def read_displacement_node(
         return []
     node = socket.node
     if node.type != "DISPLACEMENT":
-        raise refuse(
+        raise InputError(
             f'The displacement of the material "{material.name}" comes from a {node.bl_label} node; only a '
             "Displacement node with an Image Texture can be used."
         )
@@ -136,20 +135,14 @@ def read_displacement_node(
     maps.midlevel = constant(material, node, "Midlevel")
     maps.scale = constant(material, node, "Scale")
     if node.space == "WORLD":
-        maps.scale /= uniform_scale(target)
+        scale = spaces.scales(target.matrix_world)
+        if scale.min() <= 0 or not spaces.is_even(target.matrix_world):
+            raise InputError(
+                f'The object "{target.name}" is scaled differently along its axes, which its displacement in world '
+                "space cannot follow; apply the scale, or set the Displacement node to object space."
+            )
+        maps.scale /= float(scale.mean())
     return displacement_notes(image.name, maps, image.is_float)
-
-
-def uniform_scale(target: bpy.types.Object) -> float:
-    """The uniform scale factor from the mesh's units to the world's."""
-    matrix = mesh_io.world_matrix(target)
-    scale = spaces.scales(matrix)
-    if scale.min() <= 0 or not spaces.is_even(matrix):
-        raise refuse(
-            f'The object "{target.name}" is scaled differently along its axes, which its displacement in world space '
-            "cannot follow; apply the scale, or set the Displacement node to object space."
-        )
-    return float(scale.mean())
 
 
 def read_normal_node(
@@ -164,14 +157,14 @@ def read_normal_node(
     node = socket.node
     if node.type != "NORMAL_MAP" or node.space != "TANGENT":
         what = f"a {node.bl_label} node" + (" in another space" if node.type == "NORMAL_MAP" else "")
-        raise refuse(
+        raise InputError(
             f'The normals of the material "{material.name}" come from {what}; only a Normal Map node in tangent space '
             "with an Image Texture can be used."
         )
     check_uv_map(target, node.uv_map, node)
     image, channel = image_of(target, material, node, "Color")
     if channel == "Alpha":
-        raise refuse(f'The normal map of the material "{material.name}" is an alpha channel; connect the color.')
+        raise InputError(f'The normal map of the material "{material.name}" is an alpha channel; connect the color.')
     maps.normals = with_strength(read_linear(image)[..., :3], constant(material, node, "Strength"))
     return [f'Normals are those of "{image.name}".']
 
@@ -200,7 +193,8 @@ def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
 def constant(material: bpy.types.Material, node: bpy.types.Node, name: str) -> float:
     """The value of an input, which must not be linked."""
     if source_of(node.inputs[name]) is not None:
-        raise refuse(f'The {name} of the {node.bl_label} node in "{material.name}" is connected; it must be a number.')
+        sentence = f'The {name} of the {node.bl_label} node in "{material.name}" is connected; it must be a number.'
+        raise InputError(sentence)
     return float(node.inputs[name].default_value)
 
 
@@ -211,14 +205,14 @@ def image_of(
     socket = source_of(node.inputs[name])
     texture = socket.node if socket is not None else None
     if texture is None or texture.type != "TEX_IMAGE" or texture.image is None:
-        raise refuse(
+        raise InputError(
             f'The {name} of the {node.bl_label} node in the material "{material.name}" '
             "does not come from an Image Texture with an image."
         )
     way = source_of(texture.inputs["Vector"])
     plain = way is None or way.node.type == "UVMAP" or (way.node.type == "TEX_COORD" and way.name == "UV")
     if not plain or texture.projection != "FLAT":
-        raise refuse(
+        raise InputError(
             f'The image "{texture.image.name}" in the material "{material.name}" is not mapped by a UV map alone; '
             "only such images can be used."
         )
@@ -231,7 +225,7 @@ def check_uv_map(target: bpy.types.Object, name: str, node: bpy.types.Node) -> N
     layers = target.data.uv_layers
     used = name or next((layer.name for layer in layers if layer.active_render), layers.active.name)
     if used != layers.active.name:
-        raise refuse(
+        raise InputError(
             f'The {node.bl_label} node uses the UV map "{used}", but "{layers.active.name}" is active; '
             f'make "{used}" the active one.'
         )
@@ -259,7 +253,7 @@ def calculate_tangents(mesh: bpy.types.Mesh) -> np.ndarray:
     try:
         mesh.calc_tangents(uvmap=mesh.uv_layers.active.name)
     except RuntimeError as error:
-        raise refuse(f'Blender cannot compute the tangents of the mesh "{mesh.name}": {error}.') from error
+        raise InputError(f'Blender cannot compute the tangents of the mesh "{mesh.name}": {error}.') from error
     tangents = np.empty((len(mesh.loops), 4), np.float32)
     tangents[:, :3] = read_array(mesh.loops, "tangent", np.float32, 3)
     tangents[:, 3] = read_array(mesh.loops, "bitangent_sign", np.float32)

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.bridge import ParadescError, abi
+from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.core import job, source_kinds, spaces
 
 from . import mesh_io, source_meshes, surface_maps
@@ -57,11 +57,6 @@ def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
     return [item for item in context.selected_objects if item.type in CONVERTIBLE]
 
 
-def kind_words(target: bpy.types.Object) -> str:
-    """The type of an object, in Blender's words."""
-    return target.bl_rna.properties["type"].enum_items[target.type].name
-
-
 def unconvertible(item: bpy.types.Object) -> str:
     """One sentence about why a text, curve, surface or metaball object cannot be converted to a mesh, or ""."""
     if item.library is not None or item.data.library is not None or item.override_library is not None:
@@ -105,9 +100,8 @@ def obstacle(context: bpy.types.Context) -> str:
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
-    found = chosen(context)
-    refused = [sentence for sentence in map(unwritable, found) if sentence]
-    return refused[0] if len(refused) == len(found) else ""
+    refused = [unwritable(target) for target in chosen(context)]
+    return refused[0] if all(refused) else ""
 
 
 def unwritable(target: bpy.types.Object) -> str:
@@ -158,8 +152,10 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
     if reading.source == "original":
         notes += take_shape(target, arrays, request.shape_key)
     map_notes = surface_maps.add_maps(target, arrays, request.maps)
-    source_meshes.check_maps(reading)
-    matrix = mesh_io.world_matrix(target)
+    if arrays.maps is not None and arrays.maps.normals is not None and reading.source != "original":
+        base = source_meshes.BASE
+        raise InputError(f"A normal map belongs to the base mesh; choose the source {base}, or leave the map out.")
+    matrix = target.matrix_world
     measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
     return Read(arrays, measured, reading, notes, warnings, map_notes)
 
@@ -204,8 +200,8 @@ def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: s
         return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured on "{first.name}".']
     if space != "world":
         return []
-    own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
-    if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
+    own = np.sort(spaces.scales(first.matrix_world))
+    if all(np.allclose(own, np.sort(spaces.scales(item.matrix_world)), rtol=spaces.EVEN) for item in others):
         return []
     return [
         f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '

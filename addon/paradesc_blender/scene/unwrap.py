@@ -12,7 +12,7 @@ from paradesc.core import packing
 from paradesc.core.digests import digest
 from paradesc.core.uv_faults import fault
 
-from .arrays import kind_of
+from .arrays import kind_of, read_array, read_corner_vertices
 
 # It has three floats a corner (u, v, 0), because two would be one more UV map since Blender 3.5. Blender's own lists
 # leave out attributes whose names begin with ".hide".
@@ -27,7 +27,7 @@ TEMPORARY = "Paradesc unwrap"
 def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, reason: str) -> Layout:
     """The layout that stored describes, if it exists and fits, else a new one. The mesh stays as it is."""
     starts = face_starts(mesh)
-    key = topology(arrays.corner_vertices, starts)
+    key = digest(arrays.corner_vertices, starts)
     uvs = kept_uvs(mesh, stored, key)
     if uvs is not None:
         return Layout(uvs, reason, key, kept=True)
@@ -36,11 +36,6 @@ def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, rea
         sentence = f"The position of vertex {np.argmin(finite)} is not finite; repair the mesh before it is unwrapped."
         raise InputError(sentence)
     return Layout(lay_out(arrays, starts), reason, key, kept=False)
-
-
-def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
-    """A key of how faces are connected: the (corner_count,) vertices and the (face_count,) first corners."""
-    return digest(corner_vertices, starts)
 
 
 # ---- Keeping
@@ -53,17 +48,13 @@ def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarr
         return None
     if kind_of(attribute) != ("FLOAT_VECTOR", "CORNER") or len(attribute.data) != len(mesh.loops):
         return None
-    values = np.empty(3 * len(mesh.loops), np.float32)
-    attribute.data.foreach_get("vector", values)
-    uvs = np.ascontiguousarray(values.reshape(-1, 3)[:, :2])
+    uvs = np.ascontiguousarray(read_array(attribute.data, "vector", np.float32, 3)[:, :2])
     return uvs if stored.get("content") == digest(uvs) and np.isfinite(uvs).all() else None
 
 
 def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
     """Stores the layout in the mesh; returns its description for the record, or none if the mesh has changed since."""
-    corner_vertices = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corner_vertices)
-    if topology(corner_vertices, face_starts(mesh)) != made.topology:
+    if digest(read_corner_vertices(mesh), face_starts(mesh)) != made.topology:
         return {}
     attribute = mesh.attributes.get(ATTRIBUTE)
     if attribute is not None and kind_of(attribute) != ("FLOAT_VECTOR", "CORNER"):
@@ -85,16 +76,12 @@ def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
 def read_uvs(layer: bpy.types.MeshUVLoopLayer) -> np.ndarray:
     """(corner_count, 2) float32; before Blender 3.5 in a slower way."""
     collection, member = (layer.uv, "vector") if hasattr(layer, "uv") else (layer.data, "uv")
-    uvs = np.empty(2 * len(collection), np.float32)
-    collection.foreach_get(member, uvs)
-    return uvs.reshape(-1, 2)
+    return read_array(collection, member, np.float32, 2)
 
 
 def face_starts(mesh: bpy.types.Mesh) -> np.ndarray:
     """(face_count,) int32 first corners."""
-    starts = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    return starts
+    return read_array(mesh.polygons, "loop_start", np.int32)
 
 
 def write_uvs(layer: bpy.types.MeshUVLoopLayer, uvs: np.ndarray) -> None:
@@ -176,9 +163,7 @@ def unwrapped(
         mesh.uv_layers.new(name="UVMap", do_init=False)
         with edit_mode(mesh):
             run_operator()
-        returned = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", returned)
-        if not np.array_equal(returned, corner_vertices):
+        if not np.array_equal(read_corner_vertices(mesh), corner_vertices):
             raise failure("edit mode changed its faces")
         uvs = read_uvs(mesh.uv_layers[0])
     except RuntimeError as error:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
+from paradesc.bridge import InputError
 from paradesc.core import job, source_kinds, texel_centers, udim
 
 from . import mesh_io, modes, targets, unwrap
@@ -48,7 +49,7 @@ def read_over(
         return over(read, layers.active.name if layers.active is not None else "")
     if not may_make(target):
         if read is None or read.measured.map_fault:
-            raise mesh_io.refuse(f'The mesh "{target.data.name}" {reason}; unwrap it (U in edit mode).')
+            raise InputError(f'The mesh "{target.data.name}" {reason}; unwrap it (U in edit mode).')
         return over(read, layers.active.name)
     reason = reason.split(" (")[0]  # what others can be used is our own affair here
     name = own(target.data)
@@ -84,12 +85,6 @@ def fault(arrays: bridge.MeshArrays) -> str:
     return "has a UV map with most faces over each other" if stacked else ""
 
 
-def not_rendered(mesh: bpy.types.Mesh, name: str) -> str:
-    """The name of a map, if materials that name no map would render another one; else ""."""
-    layer = mesh.uv_layers.get(name)
-    return name if layer is not None and not layer.active_render else ""
-
-
 def own(mesh: bpy.types.Mesh) -> str:
     """The name of the newest map that this module made, or ""."""
     return next((layer.name for layer in reversed(mesh.uv_layers) if layer.name.startswith(NAME)), "")
@@ -114,7 +109,7 @@ def make(target: bpy.types.Object) -> str:
         uvs = unwrap.lay_out(arrays, unwrap.face_starts(mesh), GUTTER)
         layer = mesh.uv_layers.new(name=NAME, do_init=False)
         if layer is None:
-            raise mesh_io.refuse(f'The mesh "{mesh.name}" has as many UV maps as Blender allows; remove one.')
+            raise InputError(f'The mesh "{mesh.name}" has as many UV maps as Blender allows; remove one.')
         unwrap.write_uvs(layer, uvs)
         return layer.name
 

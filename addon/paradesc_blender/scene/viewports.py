@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import bpy
 from bpy.app.handlers import persistent
 
-from ..settings import hooks, preferences
+from ..settings import preferences
 from . import image_preview, node_groups, record
 
 # The custom property of the screen that keeps the former solid shading by the number of the viewport's area, so that a
@@ -193,13 +193,3 @@ def on_redo(*_ignored: object) -> None:
 
 HANDLERS = {"undo_post": on_undo, "redo_post": on_redo}
 classes = ()
-
-
-def register() -> None:
-    """Adds the handlers for undo and redo."""
-    hooks.hang(HANDLERS)
-
-
-def unregister() -> None:
-    """Removes the handlers."""
-    hooks.take_down(HANDLERS)

@@ -1,7 +1,10 @@
-"""The settings of a scene that say which mesh of an object is measured, and at which frames."""
+"""The settings of a scene that say which mesh of an object is measured, at which frames, and where those are kept."""
+
+from pathlib import Path
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, DEFORMED, ORIGINAL, SOURCES
 from paradesc.files import cache
 
@@ -56,14 +59,30 @@ def frame_source(group: bpy.types.PropertyGroup) -> str:
     return DEFORMED if chosen == ORIGINAL else chosen
 
 
+def wanted_frames(scene: bpy.types.Scene) -> range:
+    """The frames that the settings name."""
+    group = scene.paradesc_animation
+    first, last = scene.frame_start, scene.frame_end
+    if not group.use_scene_range:
+        first, last = group.frame_start, group.frame_end
+    try:
+        return cache.frame_range(first, last, group.frame_step)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def cache_root(scene: bpy.types.Scene) -> Path:
+    """The folder of all objects' frames."""
+    folder = scene.paradesc_animation.cache_folder or DEFAULT_CACHE
+    if folder.startswith("//") and not bpy.data.filepath:
+        raise InputError("Save the .blend first, or choose a cache folder that does not begin with //.")
+    return Path(bpy.path.abspath(folder))
+
+
+def object_cache(scene: bpy.types.Scene, target: bpy.types.Object) -> Path:
+    """The folder of one object's frames."""
+    return cache.object_folder(cache_root(scene), target.name)
+
+
 classes = (PARADESC_PG_animation,)
-
-
-def register() -> None:
-    """Adds the settings to every scene."""
-    bpy.types.Scene.paradesc_animation = bpy.props.PointerProperty(type=PARADESC_PG_animation)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Scene.paradesc_animation
+GROUPS = {(bpy.types.Scene, "paradesc_animation"): PARADESC_PG_animation}

@@ -37,11 +37,12 @@ def ignore(listener: Listener) -> None:
     LISTENERS[:] = [one for one in LISTENERS if not hooks.is_same(one, listener)]
 
 
-def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Draws the viewports again, for the legend."""
-    for area in context.screen.areas if context.screen is not None else ():
-        if area.type == "VIEW_3D":
-            area.tag_redraw()
+def redraw(_group: object = None, _context: object = None) -> None:
+    """Draws all viewports again, for the legend or an image."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
 
 def of_color(name: str) -> object:
@@ -97,13 +98,4 @@ def scene_look(scene: bpy.types.Scene) -> Look:
 
 
 classes = (PARADESC_PG_looks,)
-
-
-def register() -> None:
-    """Adds the settings to every scene."""
-    bpy.types.Scene.paradesc_looks = bpy.props.PointerProperty(type=PARADESC_PG_looks)
-
-
-def unregister() -> None:
-    """Removes the settings."""
-    del bpy.types.Scene.paradesc_looks
+GROUPS = {(bpy.types.Scene, "paradesc_looks"): PARADESC_PG_looks}

@@ -51,12 +51,6 @@ def same_place(first: Path, second: Path) -> bool:
     return os.path.normcase(os.path.abspath(first)) == os.path.normcase(os.path.abspath(second))  # noqa: PTH100
 
 
-def is_own(path: Path) -> bool:
-    """Whether a preset file is in the user's own folder."""
-    own = own_folder()
-    return own is not None and same_place(path.parent, own)
-
-
 def rows_in(folder: Path | None) -> list[Row]:
     """The presets in a folder, sorted by name. A file is read again only if it has changed."""
     return [] if folder is None else listed(folder, int(time.monotonic() / PATIENCE))
@@ -96,11 +90,6 @@ def forget() -> None:
 def every_row() -> list[Row]:
     """The presets of all folders, the user's own first."""
     return [row for folder in (own_folder(), *shared_folders()) for row in rows_in(folder)]
-
-
-def row_at(path: Path) -> Row | None:
-    """The row of a file in its folder."""
-    return next((row for row in rows_in(path.parent) if row.path == path), None)
 
 
 def row_named(name: str) -> Row | None:

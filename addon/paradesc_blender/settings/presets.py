@@ -1,4 +1,7 @@
-"""Presets for common purposes, which take one click each, and presets of the user and of a studio's shared folder."""
+"""Presets for common purposes, which take one click each, and presets of the user and of a studio's shared folder.
+
+They are applied to a scene, and made from a scene's settings.
+"""
 
 from pathlib import Path
 
@@ -6,13 +9,12 @@ import bpy
 
 from paradesc import bridge
 from paradesc.bridge import ParadescError
+from paradesc.core.members import Member
 from paradesc.files import preset_file, preset_rules
+from paradesc.files.preset_file import Content
 from paradesc.files.preset_rules import PRESETS, Preset
 
-from . import preset_folders, preset_members, translation
-
-NO_NAME = "Give the preset a name."
-
+from . import preset_folders, translation
 
 # The file of the preset that was chosen last, if it is not a built-in one.
 chosen: list[Path] = []
@@ -26,45 +28,41 @@ def masks_of(descriptors: set[str]) -> list[str]:
     return found if every == descriptors else []
 
 
-def chosen_masks(group: bpy.types.PropertyGroup) -> list[str]:
-    """The chosen masks; empty if other descriptors are chosen as well."""
-    return masks_of(group.descriptors)
+def choose_mask(group: bpy.types.PropertyGroup, name: str, extend: bool = False) -> None:
+    """Chooses a mask, or switches it beside the others; other settings stay. A fitted radius follows from the mask."""
+    masks = [name]
+    if extend:
+        others = masks_of(group.descriptors)
+        left = [mask for mask in others if mask != name]
+        masks = (left or masks) if name in others else [*others, name]
+    group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in masks))
+    show_chosen(PRESETS[name].label)
 
 
-def members() -> list[str]:
-    """Names of the settings that a preset sets, without colors and images."""
-    return list(preset_rules.setting_members())
+def apply(scene: bpy.types.Scene, content: Content, path: Path | None = None) -> None:
+    """Applies a valid preset. Settings and colors that it does not name get their defaults; images keep theirs.
+
+    A value is set only if it differs, because setting a color makes live values recolor. path: its file, if it has one.
+    """
+    known = preset_rules.rules()
+    if content.settings is not None:
+        for name in known["settings"]:
+            scene.paradesc.property_unset(name)
+        set_members(scene.paradesc, {"radius_fit": "typed", **content.settings}, known["settings"])
+    if content.colors is not None:
+        whole = preset_file.completed(content.colors, known["colors"])
+        set_members(scene.paradesc_looks, whole, known["colors"])
+    if content.image is not None:
+        set_members(scene.paradesc, content.image, known["image"])
+    show_chosen(content.name, path)
 
 
-def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Applies a built-in preset to a scene's settings and colors; device and output stay."""
-    preset = PRESETS[name]
-    preset_members.apply(group.id_data, preset.content())
-    show_chosen(preset.label)
-    return preset
-
-
-def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Chooses a mask, and leaves all other settings as they are. A radius that is fitted follows from the mask."""
-    preset = PRESETS[name]
-    group.descriptors = preset.members["descriptors"]
-    show_chosen(preset.label)
-    return preset
-
-
-def switch_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Adds a mask to the chosen ones, or removes it if it is chosen; the last one stays."""
-    preset, chosen = PRESETS[name], chosen_masks(group)
-    left = [mask for mask in chosen if mask != name] if name in chosen else [*chosen, name]
-    if left:
-        group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in left))
-    show_chosen(preset.label)
-    return preset
-
-
-def shown_chosen() -> tuple[str, Path | None]:
-    """The label and file that show_chosen() was last given."""
-    return PARADESC_MT_presets.bl_label, chosen[0] if chosen else None
+def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Member]) -> None:
+    """Sets the values that differ. radius_fit comes last, because setting a radius marks it as typed."""
+    kept = preset_file.as_kept(values, known)
+    for name in sorted(kept, key="radius_fit".__eq__):
+        if getattr(group, name) != kept[name]:
+            setattr(group, name, kept[name])
 
 
 def show_chosen(label: str, path: Path | None = None) -> None:
@@ -83,7 +81,7 @@ class NeedsLibrary:
 
 
 class Chooses(NeedsLibrary):
-    """Base of operators on a preset of a given name, which choose() applies in part or as a whole."""
+    """Base of operators on a built-in preset of a given name, which choose() applies in part or as a whole."""
 
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
@@ -92,7 +90,8 @@ class Chooses(NeedsLibrary):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset, and says what it is for."""
-        preset = self.choose(context.scene.paradesc, self.name)
+        preset = PRESETS[self.name]
+        self.choose(context.scene, preset)
         self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
         return {"FINISHED"}
 
@@ -109,7 +108,10 @@ class PARADESC_OT_preset(Chooses, bpy.types.Operator):
         description="Purpose of the settings",
         items=[(name, preset.label, preset.purpose) for name, preset in PRESETS.items()],
     )
-    choose = staticmethod(apply)
+
+    def choose(self, scene: bpy.types.Scene, preset: Preset) -> None:
+        """Applies all of it; device and output stay."""
+        apply(scene, preset.content())
 
 
 class PARADESC_OT_mask(Chooses, bpy.types.Operator):
@@ -133,9 +135,9 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
         """The purpose of the mask, and how to bake several, as a tooltip."""
         return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
 
-    def choose(self, group: bpy.types.PropertyGroup, name: str) -> Preset:
+    def choose(self, scene: bpy.types.Scene, _preset: Preset) -> None:
         """Chooses this mask alone, or switches it in addition to others."""
-        return (switch_mask if self.extend else choose_mask)(group, name)
+        choose_mask(scene.paradesc, self.name, self.extend)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Runs the operator; with Shift it switches the mask."""
@@ -155,8 +157,9 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
         """The purpose of the preset, or the reason why it cannot be used, as a tooltip."""
-        row = preset_folders.row_at(Path(asked.filepath))
-        sentence = "" if row is None else row.fault or row.purpose
+        path = Path(asked.filepath)
+        rows = [row for row in preset_folders.rows_in(path.parent) if row.path == path]
+        sentence = rows[0].fault or rows[0].purpose if rows else ""
         return translation.tooltip(sentence.rstrip(".") or cls.__doc__)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -167,8 +170,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         except ParadescError as error:
             self.report({"ERROR"}, translation.said(error.sentence))
             return {"CANCELLED"}
-        preset_members.apply(context.scene, content)
-        show_chosen(content.name, path)
+        apply(context.scene, content, path)
         self.report({"INFO"}, f"{content.name}: {content.purpose}".rstrip(": "))
         return {"FINISHED"}
 
@@ -257,12 +259,17 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
 def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
     """Saves a scene's settings as a preset of the user; returns one sentence if that is impossible, else ""."""
     if not name:
-        return NO_NAME
+        return "Give the preset a name."
     folder = preset_folders.own_folder(create=True)
     if folder is None:
         return "Blender has no user folder for presets."
     path = preset_file.place_of(folder, name)
-    content = preset_members.content_of(scene, name, purpose)
+    groups = {"settings": scene.paradesc, "colors": scene.paradesc_looks, "image": scene.paradesc}
+    sections = {
+        section: {member: preset_file.plain(getattr(groups[section], member)) for member in known}
+        for section, known in preset_rules.rules().items()
+    }
+    content = Content(name, purpose, **sections)
     preset_rules.check(path, content)
     preset_file.write(path, content)
     preset_folders.forget()
@@ -276,8 +283,8 @@ def remove(name: str) -> str:
     paths = [row.path for row in rows if row.name == name] if name else chosen
     if not paths:
         return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
-    path = paths[0]
-    if not preset_folders.is_own(path):
+    path, own = paths[0], preset_folders.own_folder()
+    if own is None or not preset_folders.same_place(path.parent, own):
         return f'"{path.name}" is not one of your presets, so it is not removed.'
     path.unlink(missing_ok=True)
     preset_folders.forget()

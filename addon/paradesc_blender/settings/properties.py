@@ -6,7 +6,7 @@ from paradesc.core import choices, members
 from paradesc.core.job import Settings
 from paradesc.core.members import Member
 
-from . import leaving, preferences, translation
+from . import hooks, preferences, translation
 
 RADII = ("radius_percent", "radius_absolute", "radius_edges")
 PROPERTIES = {
@@ -34,14 +34,6 @@ def property_of(member: Member, **more: object) -> object:
     elif words.get("subtype") in PATHS:
         words["options"] = words.get("options", set()) | path_options()
     return PROPERTIES[member.kind](**words)
-
-
-def make_settings() -> type:
-    """Makes the class of the settings, with the registry as it is now."""
-    every = [(name, member) for group in members.GROUPS for name, member in group().items()]
-    annotations = {name: property_of(member, **({"update": typed} if name in RADII else {})) for name, member in every}
-    body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
-    return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
 
 
 # Not empty while a fitted radius is being set, which therefore does not count as typed.
@@ -78,7 +70,10 @@ classes = ()
 
 def register() -> None:
     """Adds the settings to every scene."""
-    settings = translation.in_our_context(make_settings())
+    every = [(name, member) for group in members.GROUPS for name, member in group().items()]
+    annotations = {name: property_of(member, **({"update": typed} if name in RADII else {})) for name, member in every}
+    body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
+    settings = translation.in_our_context(type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body))
     bpy.utils.register_class(settings)
     bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=settings)
 
@@ -88,4 +83,4 @@ def unregister() -> None:
     del bpy.types.Scene.paradesc
     settings = bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")
     bpy.utils.unregister_class(settings)
-    leaving.clear([settings])
+    hooks.clear([settings])

@@ -32,13 +32,8 @@ def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
 def changed(scene: bpy.types.Scene) -> list[tuple[bpy.types.PropertyGroup, str]]:
     """The research settings of a scene that have an effect, as they are not at their defaults."""
     every = [(getattr(scene, place), name) for place, names in RESEARCH.items() for name in names]
-    return [(group, name) for group, name in every if acts(group, name)]
-
-
-def acts(group: bpy.types.PropertyGroup, name: str) -> bool:
-    """Whether a setting has an effect: it is not at its default, and the setting that it depends on is on."""
-    is_usual = getattr(group, name) == group.bl_rna.properties[name].default
-    return not is_usual and (name not in PARTS or getattr(group, PARTS[name]))
+    acting = [(group, name) for group, name in every if name not in PARTS or getattr(group, PARTS[name])]
+    return [(group, name) for group, name in acting if getattr(group, name) != group.bl_rna.properties[name].default]
 
 
 class PARADESC_OT_show_research(bpy.types.Operator):

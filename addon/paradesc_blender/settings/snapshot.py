@@ -20,7 +20,7 @@ class Snapshot:
     def __init__(self, scene: bpy.types.Scene) -> None:
         """Copies the scene's settings."""
         self.scene_name, self.identity = scene.name, identity(scene)
-        self.chosen = presets.shown_chosen()
+        self.chosen = (presets.PARADESC_MT_presets.bl_label, *presets.chosen)
         self.values = {
             (place, item.identifier): (getattr(group, item.identifier), group.is_property_set(item.identifier))
             for place in GROUPS

@@ -44,6 +44,13 @@ def tooltip(text: str) -> str:
     return translated(text, look_up_tooltip)
 
 
+def can_run(operator: type, obstacle: str) -> bool:
+    """Whether there is no obstacle to an operator. The sentence about one becomes the tooltip of its grey button."""
+    if obstacle:
+        operator.poll_message_set(tooltip(obstacle))
+    return not obstacle
+
+
 def filled(sentence: str, look: Callable[[str, str], str]) -> str:
     """The translation of a sentence whose names and numbers are filled in already.
 

@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..scene.mesh_io import refuse
+from paradesc.bridge import InputError
+
 from ..scene.node_groups import MARK
 from ..settings.asset_library import FILE
 
@@ -20,7 +21,7 @@ def shared_group(mark: str) -> bpy.types.NodeTree:
 def append(kind: str, name: str) -> bpy.types.ID:
     """Appends a group or material of the assets. Groups that it uses are shared with those in the file already."""
     if not FILE.is_file():
-        raise refuse(f"The add-on's file of materials is missing: {FILE}; install the add-on again.")
+        raise InputError(f"The add-on's file of materials is missing: {FILE}; install the add-on again.")
     groups, libraries = set(bpy.data.node_groups), set(bpy.data.libraries)
     with bpy.data.libraries.load(str(FILE), link=False) as (_there, wanted):
         setattr(wanted, kind, [name])

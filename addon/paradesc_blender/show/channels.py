@@ -1,12 +1,16 @@
-"""Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask."""
+"""Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask.
+
+Or a copy of the whole object, with its modifiers applied.
+"""
 
 import bpy
 import numpy as np
 
+from paradesc.bridge import InputError
 from paradesc.core import color_maps
 from paradesc.core.job import registry_row
 
-from ..scene import arrays, mesh_io, ownership, record, sculpt_masks, targets
+from ..scene import arrays, delivery, ownership, record, sculpt_masks, targets
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -44,10 +48,10 @@ def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
     """The attribute of this name, made again if type or domain differ. Raises if it is not ours and unchanged."""
     if not name:
-        raise mesh_io.refuse("The attribute has no name; give it one.")
+        raise InputError("The attribute has no name; give it one.")
     attribute = mesh.attributes.get(name)
     if name in mesh.uv_layers or (attribute is not None and not is_own(mesh, attribute)):
-        raise mesh_io.refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here, or was changed since; rename '
             "it, or choose another name."
         )
@@ -59,7 +63,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
     if attribute is None or attribute.name != name:
         if attribute is not None:
             mesh.attributes.remove(attribute)
-        raise mesh_io.refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; choose another.')
+        raise InputError(f'The name "{name}" is taken on the mesh "{mesh.name}"; choose another.')
     remember(mesh, "attributes", name)
     return attribute
 
@@ -67,19 +71,15 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
 # ---- Values
 
 
-def float_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The vertex attributes with one float each, ours or not."""
-    return [item.name for item in mesh.attributes if arrays.kind_of(item) == ("FLOAT", "POINT")]
-
-
 def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) float32 in [0, 1]: a descriptor relative to the range of its colors, any other attribute unchanged.
 
     An undefined value becomes neutral, or 0.
     """
-    if name not in float_names(mesh):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
-    values = arrays.read_array(mesh.attributes[name].data, "value", np.float32)
+    attribute = mesh.attributes.get(name)
+    if attribute is None or arrays.kind_of(attribute) != ("FLOAT", "POINT"):
+        raise InputError(f'The mesh "{mesh.name}" has no values "{name}" with one float per vertex.')
+    values = arrays.attribute_values(attribute)
     defined = np.isfinite(values)
     if name not in recolor.baked_names(mesh):
         return np.clip(np.where(defined, values, 0), 0, 1).astype(np.float32)
@@ -95,22 +95,7 @@ def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
     return values if domain == "POINT" else values[arrays.read_corner_vertices(mesh)]
 
 
-# ---- Targets
-
-
-def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str, domain: str) -> None:
-    """Packs up to four attributes into the channels of a color attribute; an empty name is 0, or 1 in alpha."""
-    if not any(names):
-        raise mesh_io.refuse("No channel has values; choose a descriptor for at least one.")
-    rgba = np.zeros((len(mesh.vertices), 4), np.float32)
-    rgba[:, 3] = 1.0
-    for channel, name in enumerate(names):
-        if name:
-            rgba[:, channel] = shares(mesh, name)
-    own_attribute(mesh, attribute_name, kind, domain)
-    arrays.set_values(mesh.attributes[attribute_name], spread(mesh, rgba, domain))
-    ownership.leave(mesh, [attribute_name])
-    mesh.update()
+# ---- Copies
 
 
 def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
@@ -121,26 +106,6 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
     ownership.leave(mesh, [attribute])
     mesh.update()
     return attribute
-
-
-def vertex_group(target: bpy.types.Object, name: str) -> None:
-    """Makes a vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
-    mesh, group = target.data, target.vertex_groups.get(name)
-    if group is not None and not is_own_group(target, group):
-        raise mesh_io.refuse(
-            f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed since; '
-            "rename it first."
-        )
-    weights = shares(mesh, name)
-    active = target.vertex_groups.active_index
-    if group is None:
-        group = target.vertex_groups.new(name=name)
-        if active >= 0:
-            target.vertex_groups.active_index = active
-    remember(mesh, "groups", name)
-    for vertex, weight in enumerate(weights.tolist()):
-        group.add((vertex,), weight, "REPLACE")
-    ownership.leave_weights(mesh, name, weights)
 
 
 def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
@@ -154,16 +119,6 @@ def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool
             if one.group == group.index:
                 weights[vertex.index] = one.weight
     return ownership.is_untouched(mesh, f":{group.name}", weights, ownership.faces_of(mesh))
-
-
-def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
-    """Writes the descriptor's values from 0 to 1 as sculpt mode's mask, where 1 is protected."""
-    weights = shares(target.data, name)
-    if sculpt_masks.is_painted(target.data) and not replace:
-        raise mesh_io.refuse(
-            f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode first.'
-        )
-    sculpt_masks.write(target, weights)
 
 
 def export_copies(mesh: bpy.types.Mesh) -> list[str]:
@@ -205,10 +160,20 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Packs the attributes that the scene's settings name."""
-        group = context.scene.paradesc_looks
+        """Packs the attributes that the scene's settings name; a channel without a name is 0, or 1 in alpha."""
+        group, mesh = context.scene.paradesc_looks, target.data
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
-        pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
+        if not any(names):
+            raise InputError("No channel has values; choose a descriptor for at least one.")
+        rgba = np.zeros((len(mesh.vertices), 4), np.float32)
+        rgba[:, 3] = 1.0
+        for channel, name in enumerate(names):
+            if name:
+                rgba[:, channel] = shares(mesh, name)
+        own_attribute(mesh, group.pack_name, group.pack_kind, group.pack_domain)
+        arrays.set_values(mesh.attributes[group.pack_name], spread(mesh, rgba, group.pack_domain))
+        ownership.leave(mesh, [group.pack_name])
+        mesh.update()
         words = translation.label({item[0]: item[1] for item in PACKED_DOMAINS}[group.pack_domain]).lower()
         sentence = translation.said('Packed into "{name}", one color per {place}')
         self.report({"INFO"}, sentence.format(name=group.pack_name, place=words))
@@ -232,8 +197,23 @@ class PARADESC_OT_vertex_group(NeedsShown, bpy.types.Operator):
     bl_label = "Vertex Group"
 
     def write(self, target: bpy.types.Object, name: str) -> str:
-        """Makes or fills the group."""
-        vertex_group(target, name)
+        """Makes or fills the group of the descriptor's name."""
+        mesh, group = target.data, target.vertex_groups.get(name)
+        if group is not None and not is_own_group(target, group):
+            raise InputError(
+                f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed '
+                "since; rename it first."
+            )
+        weights = shares(mesh, name)
+        active = target.vertex_groups.active_index
+        if group is None:
+            group = target.vertex_groups.new(name=name)
+            if active >= 0:
+                target.vertex_groups.active_index = active
+        remember(mesh, "groups", name)
+        for vertex, weight in enumerate(weights.tolist()):
+            group.add((vertex,), weight, "REPLACE")
+        ownership.leave_weights(mesh, name, weights)
         return translation.said('Wrote the vertex group "{name}"').format(name=name)
 
 
@@ -256,7 +236,13 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
 
     def write(self, target: bpy.types.Object, name: str) -> str:
         """Fills the mask."""
-        sculpt_mask(target, name, self.replace)
+        weights = shares(target.data, name)
+        if sculpt_masks.is_painted(target.data) and not self.replace:
+            raise InputError(
+                f'The mesh "{target.data.name}" has a sculpt mask; allow replacing it, or clear it in sculpt mode '
+                "first."
+            )
+        sculpt_masks.write(target, weights)
         return translation.said("Wrote {name} into the sculpt mask").format(name=name)
 
 
@@ -273,10 +259,38 @@ class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
         self.report({"INFO"}, translation.said("Wrote {names}").format(names=names))
 
 
+class PARADESC_OT_make_result_object(recolor.NeedsBake, bpy.types.Operator):
+    """Make a copy with all modifiers applied and every mask on its vertices; it is selected, and the original hidden"""
+
+    bl_idname = "paradesc.make_result_object"
+    bl_label = "Copy with Values"
+    bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Works only in object mode, where the selection can change."""
+        return context.mode == "OBJECT" and super().poll(context)
+
+    def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Makes one copy and hides its original in the viewport and in renders."""
+        copy = delivery.copy_with_values(target)
+        if context.view_layer.objects.active == target:
+            context.view_layer.objects.active = copy
+        copy.select_set(True)
+        target.select_set(False)
+        target.hide_set(True)
+        target.hide_render = True
+        names = {"copy": copy.name, "name": target.name}
+        sentence = translation.said('"{copy}" has the modifiers applied and all masks; "{name}" is hidden')
+        self.report({"INFO"}, sentence.format(**names))
+
+
 classes = (
     PARADESC_OT_pack,
     PARADESC_OT_corner_colors,
     PARADESC_OT_vertex_group,
     PARADESC_OT_sculpt_mask,
     PARADESC_OT_export_copies,
+    PARADESC_OT_make_result_object,
 )

@@ -2,6 +2,7 @@
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core.job import UNDEFINED_MASK
 
 from ..scene import record
@@ -70,7 +71,7 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
         mesh = target.data
         name = recolor.shown_name(mesh) or recolor.baked_names(mesh)[0]
         if recolor.is_direction(name):
-            raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value per vertex.")
+            raise InputError(f"{name} is a direction; show a descriptor with one value per vertex.")
         shown = recolor.stored_range(mesh, name)
         mask = record.attribute_of(mesh, UNDEFINED_MASK)
         tree = shared(build(self.kind, name, shown.minimum, shown.maximum, mask))

@@ -2,6 +2,8 @@
 
 import bpy
 
+from paradesc.bridge import InputError
+
 from ..scene import mesh_io, record
 from ..scene.node_groups import MARK, add_node
 from ..settings.translation import said
@@ -18,53 +20,36 @@ PASSED = {"Base Color": "Color"}
 # ---- Trees
 
 
-def color_material(name: str, flat: bool) -> bpy.types.Material:
-    """Creates a material that shows the colors of a descriptor, either lit or exactly as they are."""
-    material, nodes = new_material(f"Paradesc {name}" + (" flat" if flat else ""), name)
+def new_material(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Material:
+    """Creates a material that shows the colors of a descriptor, lit ("colors") or exactly as they are ("flat").
+
+    Or a clay with dirt in its hollows and worn edges ("cavity").
+    """
+    is_cavity = kind == "cavity"
+    group, settings = cavity_group(mesh) if is_cavity else (None, {})
+    end = " flat" if kind == "flat" else ""
+    material = bpy.data.materials.new("Paradesc cavity" if is_cavity else f"Paradesc {name}{end}")
+    if material.node_tree is None:  # never since Blender 5
+        material.use_nodes = True
+    material[DESCRIPTOR], material[MARK] = "cavity" if is_cavity else name, "material"
     tree = material.node_tree
-    color = add_node(tree, "ShaderNodeAttribute", (-300, 0), attribute_name=f"{name}_color").outputs["Color"]
-    if flat:
-        shader = add_node(tree, "ShaderNodeEmission", (0, 0))
-        tree.links.new(color, shader.inputs["Color"])
+    tree.nodes.clear()
+    output = add_node(tree, "ShaderNodeOutputMaterial", (300, 0))
+    if is_cavity:
+        node = add_group(tree, group, settings, (-300, 0))
     else:
-        shader = add_principled(tree)
-        tree.links.new(color, shader.inputs["Base Color"])
-    tree.links.new(shader.outputs[0], nodes.inputs["Surface"])
-    tuned.leave(material)
-    return material
-
-
-def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
-    """Creates a clay material with dirt in its hollows and worn edges."""
-    group, settings = cavity_group(mesh)
-    material, output = new_material("Paradesc cavity", "cavity")
-    tree = material.node_tree
-    node = add_group(tree, group, settings, (-300, 0))
-    shader = add_principled(tree)
-    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+        node = add_node(tree, "ShaderNodeAttribute", (-300, 0), attribute_name=f"{name}_color")
+    if kind == "flat":
+        shader = add_node(tree, "ShaderNodeEmission", (0, 0))
+    else:  # rough, so that highlights do not hide the colors
+        shader = add_node(tree, "ShaderNodeBsdfPrincipled", (0, 0))
+        shader.inputs["Roughness"].default_value = 0.75
+        specular = "Specular IOR Level" if "Specular IOR Level" in shader.inputs else "Specular"
+        shader.inputs[specular].default_value = 0.2
+    tree.links.new(node.outputs["Color"], shader.inputs["Color" if kind == "flat" else "Base Color"])
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
     tuned.leave(material)
     return material
-
-
-def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.types.Node]:
-    """Creates a material with only an output node."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # never since Blender 5
-        material.use_nodes = True
-    material.node_tree.nodes.clear()
-    material[DESCRIPTOR] = descriptor
-    material[MARK] = "material"
-    return material, add_node(material.node_tree, "ShaderNodeOutputMaterial", (300, 0))
-
-
-def add_principled(tree: bpy.types.NodeTree) -> bpy.types.Node:
-    """Adds a rough surface shader, so that highlights do not hide the colors."""
-    shader = add_node(tree, "ShaderNodeBsdfPrincipled", (0, 0))
-    shader.inputs["Roughness"].default_value = 0.75
-    name = "Specular IOR Level" if "Specular IOR Level" in shader.inputs else "Specular"
-    shader.inputs[name].default_value = 0.2
-    return shader
 
 
 def add_group(
@@ -84,12 +69,13 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
     was baked; the other is then 0.
     """
     names = recolor.baked_names(mesh)
-    concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
+    first = {mesh_io.registry_name(name): name for name in reversed(names)}  # of each descriptor, at any radius
+    concave, convex, mean = (first.get(word, "") for word in ("cavity", "convexity", "mean_curvature"))
     if mean and not (concave and convex):
         stored = record.read(mesh)
         radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
         if radius is None:
-            raise mesh_io.refuse(
+            raise InputError(
                 f'The mesh "{mesh.name}" no longer stores the radius of "{mean}"; bake it again.'
             )
         asset, attributes, settings = OF_MEAN, {"mean_curvature": mean}, {"Radius": radius}
@@ -102,7 +88,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
         different = [] if not (concave and convex) or ends[0] == ends[1] else ["and", ends[1].removeprefix("_") or "1"]
         title = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip()
     else:
-        raise mesh_io.refuse(
+        raise InputError(
             f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'
         )
     group = found_group(title) or cavity_asset(asset, title, attributes)
@@ -117,34 +103,6 @@ def cavity_asset(asset: str, title: str, attributes: dict[str, str]) -> bpy.type
         if node.bl_idname == "ShaderNodeAttribute":
             node.attribute_name = attributes[node.attribute_name]
     return group
-
-
-def first_of(names: list[str], word: str) -> str:
-    """The first of the names whose values are this descriptor, at any radius, or ""."""
-    return next((name for name in names if mesh_io.registry_name(name) == word), "")
-
-
-# ---- The group in the user's own material
-
-
-def plug(material: bpy.types.Material, mesh: bpy.types.Mesh) -> None:
-    """Inserts the cavity group in front of a material's base color."""
-    shader = base_shader(material)
-    if shader is None:
-        raise mesh_io.refuse("The active material has no Principled BSDF in use; make the Paradesc material instead.")
-    if any(passes(node, PASSED) for node in own_nodes(material.node_tree, CAVITY_GROUP)):
-        raise mesh_io.refuse(f'The material "{material.name}" has the cavity group already.')
-    group, settings = cavity_group(mesh)
-    place = (shader.location.x - 230, shader.location.y - 60)
-    put(shader, add_group(material.node_tree, group, settings, place), PASSED)
-
-
-def unplug(material: bpy.types.Material) -> None:
-    """Removes the cavity group from a material."""
-    for node in own_nodes(material.node_tree, CAVITY_GROUP):
-        if passes(node, PASSED):
-            take_out(node, PASSED)
-            material.node_tree.nodes.remove(node)
 
 
 # ---- Operators
@@ -173,8 +131,7 @@ class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
         """Makes the material and gives it to all faces."""
         mesh = target.data
         name = recolor.shown_name(mesh) or recolor.baked_names(mesh)[0]
-        made = cavity_material(mesh) if self.kind == "cavity" else color_material(name, self.kind == "flat")
-        for sentence in assign(mesh, made):
+        for sentence in assign(mesh, new_material(mesh, name, self.kind)):
             self.report({"INFO"}, said(sentence))
 
 
@@ -189,10 +146,17 @@ class PARADESC_OT_plug_cavity(recolor.NeedsBake, bpy.types.Operator):
         """Changes the active material."""
         material = target.active_material
         if material is None:
-            raise mesh_io.refuse(f'The object "{target.name}" has no active material; make the Paradesc material.')
+            raise InputError(f'The object "{target.name}" has no active material; make the Paradesc material.')
         if material.library is not None or material.override_library is not None:
-            raise mesh_io.refuse(f'The material "{material.name}" is linked from another file; make it local first.')
-        plug(material, target.data)
+            raise InputError(f'The material "{material.name}" is linked from another file; make it local first.')
+        shader = base_shader(material)
+        if shader is None:
+            raise InputError("The active material has no Principled BSDF in use; make the Paradesc material instead.")
+        if any(passes(node, PASSED) for node in own_nodes(material.node_tree, CAVITY_GROUP)):
+            raise InputError(f'The material "{material.name}" has the cavity group already.')
+        group, settings = cavity_group(target.data)
+        place = (shader.location.x - 230, shader.location.y - 60)
+        put(shader, add_group(material.node_tree, group, settings, place), PASSED)
 
 
 class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
@@ -208,8 +172,12 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
         for sentence in take_back(target.data):
             self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:
-            if slot.material is not None and DESCRIPTOR not in slot.material and slot.material.library is None:
-                unplug(slot.material)
+            material = slot.material
+            if material is not None and DESCRIPTOR not in material and material.library is None:
+                for node in own_nodes(material.node_tree, CAVITY_GROUP):
+                    if passes(node, PASSED):
+                        take_out(node, PASSED)
+                        material.node_tree.nodes.remove(node)
 
 
 classes = (PARADESC_OT_make_material, PARADESC_OT_plug_cavity, PARADESC_OT_remove_material)

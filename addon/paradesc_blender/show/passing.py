@@ -14,12 +14,7 @@ def base_shader(material: bpy.types.Material | None) -> bpy.types.Node | None:
     """The Principled BSDF that a material shows, the one nearest to its output."""
     tree = None if material is None else material.node_tree
     output = None if tree is None else tree.get_output_node("ALL")
-    return None if output is None else next((node for node in upstream(output) if is_shader(node)), None)
-
-
-def is_shader(node: bpy.types.Node) -> bool:
-    """Whether a node is a shader with the colors of a surface as inputs."""
-    return node.type == "BSDF_PRINCIPLED"
+    return None if output is None else next((node for node in upstream(output) if node.type == "BSDF_PRINCIPLED"), None)
 
 
 def upstream(node: bpy.types.Node) -> Iterator[bpy.types.Node]:

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.bridge import ParadescError
+from paradesc.bridge import InputError, ParadescError
 from paradesc.core import choices, color_maps, legend
 from paradesc.core.job import registry_name, registry_row
 
@@ -54,7 +54,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and the map with which a descriptor's colors on this mesh were made."""
     stored = record.read(mesh)
     if name not in stored.get("ranges", {}):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer stores the range of "{name}"; bake it again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer stores the range of "{name}"; bake it again.')
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))
@@ -68,7 +68,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) or (n, 3) float32 values of one of our attributes; not in edit mode, where Blender hides them."""
     if name not in mesh.attributes or not is_usable(mesh, name):
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the values "{name}"; bake them again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer has the values "{name}"; bake them again.')
     return arrays.attribute_values(mesh.attributes[name])
 
 
@@ -76,9 +76,9 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     """Makes a descriptor's colors again with the look; returns their range. Not in edit mode."""
     colors = f"{name}_color"
     if colors not in mesh.attributes:
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" no longer has the colors "{colors}"; bake them again.')
+        raise InputError(f'The mesh "{mesh.name}" no longer has the colors "{colors}"; bake them again.')
     if not ownership.is_as_left(mesh, colors, mesh_io.wanted_kind(colors), ownership.faces_of(mesh)):
-        raise mesh_io.refuse(
+        raise InputError(
             f'The colors "{colors}" of the mesh "{mesh.name}" were painted over and are kept; bake again to make '
             "others beside them."
         )
@@ -145,10 +145,7 @@ class NeedsBake:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the operator can run; the button's tooltip says why not."""
-        sentence = obstacle(context)
-        if sentence:
-            cls.poll_message_set(translation.tooltip(sentence))
-        return not sentence
+        return translation.can_run(cls, obstacle(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode, where attributes can be read and written."""
@@ -192,13 +189,14 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     def prepare(self, context: bpy.types.Context, found: list[bpy.types.Object]) -> None:
         """Keeps the colors of the scene, in the scale that all meshes share if they do."""
         if not choices.look_fault(context.scene.paradesc_looks):
-            self.look = shared_look(context.scene, [(item, name) for item in found for name in self.names_of(item.data)])
+            shown = [(item, name) for item in found for name in self.names_of(item.data)]
+            self.look = shared_look(context.scene, shown)
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Recolors one descriptor, or all of this mesh."""
         fault = choices.look_fault(context.scene.paradesc_looks)
         if fault:
-            raise mesh_io.refuse(fault)
+            raise InputError(fault)
         for name in self.names_of(target.data):
             recolor_object(target, name, self.look)
 
@@ -206,13 +204,16 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
 def on_look(scene: bpy.types.Scene, setting: str) -> None:
     """Recolors the selected meshes as soon as a color setting changes. In edit mode values are hidden, so it waits.
 
+    Live values do so themselves.
     All masks get one scale or lose it, since those that are shown later would have another one.
     """
     context = bpy.context
     if context.scene != scene or obstacle(context) or choices.look_fault(scene.paradesc_looks):
         return
     names_of = baked_names if setting == "same_scale" else shown_names
-    shown = [(item, name) for item in baked_targets(context) if is_still(item) for name in names_of(item.data)]
+    found = [item for item in baked_targets(context) if item.mode != "EDIT"]
+    still = [item for item in found if not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")]
+    shown = [(item, name) for item in still for name in names_of(item.data)]
     look = shared_look(scene, shown)
     for item, name in shown:
         if item.data.library is None:
@@ -226,11 +227,6 @@ def shared_look(scene: bpy.types.Scene, shown: list[tuple[bpy.types.Object, str]
     if not scene.paradesc_looks.same_scale:
         return look
     return color_maps.with_one_scale(look, together([(whole_mesh(item, name), name) for item, name in shown]))
-
-
-def is_still(item: bpy.types.Object) -> bool:
-    """Whether the colors of its mesh may be recolored now: not in edit mode, and live values do so themselves."""
-    return item.mode != "EDIT" and not (item.is_property_set("paradesc_live") and item.paradesc_live.mode != "OFF")
 
 
 def together(

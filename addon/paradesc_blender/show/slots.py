@@ -31,7 +31,11 @@ def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> list[str]:
     Returns a note about a former material of ours that was kept because somebody had changed it.
     """
     found, notes = own_slots(mesh), []
-    keep_slots(mesh, found)
+    slots = former_slots(mesh, found)
+    if FORMER_SLOTS in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[FORMER_SLOTS])
+    mesh.attributes.new(FORMER_SLOTS, "INT", "FACE").data.foreach_set("value", slots)
+    mesh[FORMER_NAMES] = slot_names(mesh)
     if found:
         slot, former = found[0], mesh.materials[found[0]]
         mesh.materials[slot] = material
@@ -42,16 +46,6 @@ def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> list[str]:
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), slot, np.int32))
     mesh.update()
     return notes
-
-
-def keep_slots(mesh: bpy.types.Mesh, ours: list[int]) -> None:
-    """Stores the faces' slots; for faces with our slots, those that they had before."""
-    slots = former_slots(mesh, ours)
-    if FORMER_SLOTS in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[FORMER_SLOTS])
-    attribute = mesh.attributes.new(FORMER_SLOTS, "INT", "FACE")
-    attribute.data.foreach_set("value", slots)
-    mesh[FORMER_NAMES] = slot_names(mesh)
 
 
 def former_slots(mesh: bpy.types.Mesh, ours: list[int]) -> np.ndarray:

@@ -34,34 +34,24 @@ def fingerprint(block: bpy.types.Material | bpy.types.NodeTree) -> str:
 
 def contents(tree: bpy.types.NodeTree) -> list[object]:
     """The nodes with their settings, the links, and the sockets of a node tree."""
-    nodes = [[members(node), [value_of(socket) for socket in node.inputs], ramp(node)] for node in tree.nodes]
+    nodes = []
+    for node in tree.nodes:  # named members, because Blender 3.4 may crash after its lists of members were read
+        group, ramp = getattr(node, "node_tree", None), getattr(node, "color_ramp", None)
+        own = [(name, getattr(node, name)) for name in OF_NODE if hasattr(node, name)]
+        stops = [] if ramp is None else [(stop.position, tuple(stop.color)) for stop in ramp.elements]
+        members = [node.bl_idname, own, None if group is None else group.name]
+        nodes.append([members, [value_of(socket) for socket in node.inputs], stops])
     links = [
         (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.identifier)
         for link in tree.links
     ]
-    if hasattr(tree, "interface"):
-        sockets = list(tree.interface.items_tree)
-    else:
-        sockets = [*tree.inputs, *tree.outputs]
+    sockets = tree.interface.items_tree if hasattr(tree, "interface") else [*tree.inputs, *tree.outputs]
     return [nodes, sorted(links), [(item.name, value_of(item)) for item in sockets]]
-
-
-def members(node: bpy.types.Node) -> list[object]:
-    """The settings of a node. They are named, because Blender 3.4 may crash after its lists of members were read."""
-    group = getattr(node, "node_tree", None)
-    own = [(name, getattr(node, name)) for name in OF_NODE if hasattr(node, name)]
-    return [node.bl_idname, own, None if group is None else group.name]
 
 
 def value_of(socket: bpy.types.NodeSocket) -> object:
     """The default value of a socket; None for those of geometry and shaders."""
     return plain(getattr(socket, "default_value", None))
-
-
-def ramp(node: bpy.types.Node) -> list[tuple[float, tuple[float, ...]]]:
-    """The stops of a node's color ramp."""
-    found = getattr(node, "color_ramp", None)
-    return [(stop.position, tuple(stop.color)) for stop in found.elements] if found is not None else []
 
 
 def plain(value: object) -> object:

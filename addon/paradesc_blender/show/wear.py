@@ -9,7 +9,9 @@ from contextlib import contextmanager
 import bpy
 from mathutils import Vector
 
-from ..scene import large_faces, mesh_io, record
+from paradesc.bridge import InputError
+
+from ..scene import large_faces, record
 from ..scene.image_nodes import OF_VERTICES, OWN, is_as_left
 from ..scene.node_groups import MARK, add_node
 from . import slots, tuned
@@ -97,21 +99,12 @@ def fault(target: bpy.types.Object) -> str:
     return ""
 
 
-def has_nodes(material: bpy.types.Material) -> bool:
-    """Whether the material uses nodes; since Blender 5 every material does."""
-    return material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
-
-
 def needs_image(target: bpy.types.Object, source: str) -> bool:
     """Whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
     material = target.active_material
-    sharing = [item.data for item in bpy.data.objects if material is not None and material in used(item)]
+    users = [item for item in bpy.data.objects if material in [slot.material for slot in item.material_slots]]
+    sharing = [item.data for item in users if material is not None]
     return large_faces.are_too_large(target, source) and all(mesh == target.data for mesh in sharing)
-
-
-def used(item: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """The materials in the slots of an object."""
-    return [slot.material for slot in item.material_slots]
 
 
 def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> list[str]:
@@ -122,11 +115,11 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     """
     sentence = fault(target)
     if sentence:
-        raise mesh_io.refuse(sentence)
+        raise InputError(sentence)
     material = target.active_material
     if material is None:
         return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
-    if not has_nodes(material):
+    if material.node_tree is None or not (bpy.app.version >= (5, 0, 0) or material.use_nodes):  # since 5 all have nodes
         give_nodes(material)
     node, is_new = wear_node(material)
     if is_new:
@@ -238,11 +231,6 @@ def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
 # ---- Removing
 
 
-def wears(target: bpy.types.Object) -> bool:
-    """Whether any material of an object has wear."""
-    return any(has_wear(slot.material) for slot in target.material_slots)
-
-
 def has_wear(material: bpy.types.Material | None) -> bool:
     """Whether the colors of a material pass through the group."""
     nodes = own_nodes(material.node_tree, GROUP) if material is not None else []
@@ -289,7 +277,8 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
     take_out(node, PASSED)
     if tuned_inputs(node):
         return [f'The wear of "{material.name}" was tuned; it stays in the material, disconnected.']
-    sources = [one for one in upstream(node) if is_source(one)]
+    ours = [one for one in upstream(node) if OF_VERTICES in one or OWN in one]
+    sources = [one for one in ours if OF_VERTICES in one or one.type != "TEX_IMAGE" or is_as_left(one)]
     tree.nodes.remove(node)
     for source in sources:
         if not any(socket.is_linked for socket in source.outputs):
@@ -302,8 +291,3 @@ def take_wear_out(material: bpy.types.Material) -> list[str]:
             material.use_nodes = False
         del material[FORMER_NODES]
     return []
-
-
-def is_source(node: bpy.types.Node) -> bool:
-    """Whether a node is one of ours that gives a mask, and unchanged."""
-    return OF_VERTICES in node or (OWN in node and (node.type != "TEX_IMAGE" or is_as_left(node)))

@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import bpy
 
+from paradesc.bridge import InputError
 from paradesc.core.color_maps import Look
 
 from ..bake.batch import Batch, MeshBake
 from ..bake.image_batch import ImageBatch
 from ..bake.modal import ModalJob
 from ..bake.operators import keep_for_undo
-from ..bake.pieces import ObjectKey, Pieces, Steps, Work, failures, find, report_all
-from ..scene import mesh_io, modes, targets, viewports
+from ..bake.pieces import ObjectKey, Pieces, Work, failures, find, report_all
+from ..scene import modes, targets, viewports
 from ..settings import translation
 from ..settings.snapshot import Snapshot
 from . import wear
@@ -32,21 +33,12 @@ class VertexMasks(Batch):
         super().write(piece)
 
 
-class ImageMasks(ImageBatch):
-    """A bake of the masks as images, for meshes with too few vertices."""
-
-    def __init__(self, context: bpy.types.Context) -> None:
-        """Takes settings and selection, and the look of masks for shaders."""
-        super().__init__(context)
-        self.choice = replace(self.choice, look=mask_look(self.choice.look))
-
-
-class WearJob(Steps):
-    """Bakes the masks of all chosen objects: one batch as vertex colors, one as images."""
+class WearJob(Pieces):
+    """Bakes the masks of all chosen objects: one batch as vertex colors, one as images of those with few vertices."""
 
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes settings and selection. The panel's settings are changed for it only temporarily."""
-        super().__init__()
+        super().__init__([])
         group, before = context.scene.paradesc, Snapshot(context.scene)
         chosen, source = targets.chosen(context), context.scene.paradesc_animation.source
         coarse = [target for target in chosen if wear.needs_image(target, source)]
@@ -54,9 +46,14 @@ class WearJob(Steps):
         try:
             group.descriptors, group.more_radii = set(wear.MASKS.values()), ""
             group.image_packed, group.image_to_material = False, True
-            self.batches = [
-                batch_of(kind, context, found) for kind, found in ((VertexMasks, fine), (ImageMasks, coarse)) if found
-            ]
+            self.batches = []
+            for kind, found in ((VertexMasks, fine), (ImageBatch, coarse)):
+                if found:
+                    with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
+                        self.batches.append(kind(bpy.context))
+            if coarse:
+                choice = self.batches[-1].choice
+                self.batches[-1].choice = replace(choice, look=mask_look(choice.look))
         finally:
             before.restore()
         self.batch = self.batches[0]  # the one under way
@@ -86,12 +83,6 @@ class WearJob(Steps):
             one.close()
 
 
-def batch_of(kind: type, context: bpy.types.Context, found: list[bpy.types.Object]) -> Pieces:
-    """A batch for some of the chosen objects."""
-    with context.temp_override(active_object=found[0], object=found[0], selected_objects=found):
-        return kind(bpy.context)
-
-
 class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
     """Bake cavity and edge wear, and add dirt and worn edges to the active materials of the selected objects"""
 
@@ -113,20 +104,13 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """One sentence about why the selected meshes cannot be read or written, or ""."""
-        sentence = targets.reading_obstacle(context)
-        if sentence:
-            return sentence
-        refused = [targets.unwritable(target) for target in targets.chosen(context)]
-        return refused[0] if all(refused) else ""
+    obstacle = staticmethod(targets.obstacle)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> WearJob:
         """Makes the job; raises at once if no material of the selection can get wear."""
         faults = [wear.fault(target) for target in targets.chosen(context)]
         if all(faults):
-            raise mesh_io.refuse(faults[0])
+            raise InputError(faults[0])
         return WearJob(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
@@ -135,7 +119,7 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         lost, worn = [], []
         for batch in self.job.batches:
             self.finish_batch(context, batch, worn)
-            report_all(self.report, batch, batch.written)
+            report_all(self.report, batch)
             lost += failures(batch)
         for sentence in lost:
             self.report({"WARNING" if worn else "ERROR"}, sentence)
@@ -177,10 +161,8 @@ class PARADESC_OT_remove_wear(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a material with wear."""
-        there = any(wear.wears(target) for target in targets.chosen(context))
-        if not there:
-            cls.poll_message_set(translation.tooltip("No material of the selected objects has wear"))
-        return there
+        there = any(wear.has_wear(slot.material) for one in targets.chosen(context) for slot in one.material_slots)
+        return translation.can_run(cls, "" if there else "No material of the selected objects has wear")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Removes wear from the materials of all chosen objects."""

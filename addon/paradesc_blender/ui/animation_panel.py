@@ -5,8 +5,8 @@ import bpy
 from paradesc.bridge import ParadescError
 from paradesc.files import cache
 
-from ..animation.cache_places import object_cache
 from ..scene import targets
+from ..settings.animation import object_cache
 from ..settings.translation import label
 from .drawing import SettingsPanel, sentence_lines, setting
 

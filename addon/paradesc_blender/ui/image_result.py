@@ -25,7 +25,7 @@ def draw(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     opened = next((image for image in images if image.name == shown), images[0])
     row = column.row(align=True)
     row.operator("paradesc.open_image", text=label("Open"), translate=False).name = opened.name
-    if image_results.is_packed(images[0]):
+    if images[0].packed_file is not None or len(images[0].packed_files):
         row.operator("paradesc.save_images", text=label("Save"), translate=False).name = opened.name
     else:
         row.operator("paradesc.open_image_folder", text=label("Folder"), translate=False).name = opened.name

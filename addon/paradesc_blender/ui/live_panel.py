@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..animation import handlers, live, surfaces
+from ..animation import handlers, live, sessions, surfaces
 from ..scene import targets
 from ..settings import looks
 from ..settings.translation import label
@@ -49,18 +49,15 @@ def live_sentence(target: bpy.types.Object) -> str:
     """The panel's message about this object, or ""."""
     if target.paradesc_live.sentence:
         return target.paradesc_live.sentence
-    waiting = surfaces.waiting_sentence(target) if target.paradesc_live.mode != "OFF" else ""
-    if waiting:
-        return waiting
-    other = handlers.holder_of(target) if target.paradesc_live.mode != "OFF" else None
-    if other is not None:
-        return handlers.shared_sentence(other)
-    session = handlers.session_at(target)
-    if target.paradesc_live.mode != "OFF" and session is not None and session.note:
-        return session.note
-    simulation = live.unbaked_simulation(target) if target.paradesc_live.mode != "OFF" else ""
-    if simulation:
-        return f'Bake the simulation "{simulation}" first; until then live values may change how it moves.'
+    if target.paradesc_live.mode != "OFF":
+        waiting, other = surfaces.waiting_sentence(target), sessions.holder_of(target)
+        if waiting or other is not None:
+            return waiting or handlers.shared_sentence(other)
+        session, simulation = sessions.session_at(target), live.unbaked_simulation(target)
+        if session is not None and session.note:
+            return session.note
+        if simulation:
+            return f'Bake the simulation "{simulation}" first; until then live values may change how it moves.'
     if target.library is not None or target.data.library is not None:
         return f'The mesh "{target.data.name}" is linked from another file; make it local first.'
     return ""
@@ -85,7 +82,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     """Draws the time that the last frame took."""
-    session = handlers.session_at(target)
+    session = sessions.session_at(target)
     if session is None or not session.seconds:
         return
     total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)

@@ -32,7 +32,8 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
             setting(column, group, "percentile")
         if group.span != "fixed":
             setting(column, group, "symmetric")
-        if follows_frames(targets.first(context)) and group.span != "fixed":
+        target = targets.first(context)
+        if target is not None and target.paradesc_live.mode != "OFF" and group.span != "fixed":  # all frames have one
             layout.operator("paradesc.live_range", icon="LOCKED")
         setting(layout, group, "use_neutral")
         if group.use_neutral:
@@ -41,11 +42,6 @@ class PARADESC_PT_looks(SettingsPanel, bpy.types.Panel):
         row.operator("paradesc.recolor", text=label("Recolor"), translate=False)
         row.operator("paradesc.recolor", text=label("All"), translate=False).every = True
         setting(layout, group, "show_legend")
-
-
-def follows_frames(target: bpy.types.Object | None) -> bool:
-    """Whether an object's values are live or played, so that all frames have one range."""
-    return target is not None and target.paradesc_live.mode != "OFF"
 
 
 class PARADESC_PT_materials(SettingsPanel, bpy.types.Panel):

@@ -30,10 +30,8 @@ class PARADESC_OT_manual(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Works only if there is a manual; the button's tooltip says so."""
-        there = first_page() is not None
-        if not there:
-            cls.poll_message_set(translation.tooltip("This copy of the add-on has no manual; install a package"))
-        return there
+        missing = "This copy of the add-on has no manual; install a package"
+        return translation.can_run(cls, "" if first_page() else missing)
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Opens web pages in the browser, and Markdown pages in the system's program for them."""

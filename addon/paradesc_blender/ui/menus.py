@@ -1,4 +1,4 @@
-"""Entries in Blender's own menus, where artists look for masks: beside Dirty Vertex Colors, in Object and in Mask."""
+"""The menu of wear, and entries in Blender's own menus, where artists look for masks: in Paint, Object and Mask."""
 
 import bpy
 
@@ -26,6 +26,19 @@ class PARADESC_MT_bake(bpy.types.Menu):
             self.layout.operator(operator, text=text, translate=False).mask = name
 
 
+class PARADESC_MT_wear(bpy.types.Menu):
+    """Looks of dirt and wear"""
+
+    bl_idname = "PARADESC_MT_wear"
+    bl_label = "Looks of Wear"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draws one entry for each look, and the one that takes wear out again."""
+        self.layout.operator_enum("paradesc.add_wear", "look")
+        self.layout.separator()
+        self.layout.operator("paradesc.remove_wear", icon="X")
+
+
 def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     """Draws the menu of masks as an entry of another menu."""
     if not bridge.missing_sentence():
@@ -48,7 +61,7 @@ PLACES = {
     "VIEW3D_MT_object": draw_entry,
     "VIEW3D_MT_mask": draw_sculpt_masks,
 }
-classes = (PARADESC_MT_bake,)
+classes = (PARADESC_MT_bake, PARADESC_MT_wear)
 
 
 def register() -> None:

@@ -5,10 +5,11 @@ import bpy
 from paradesc import bridge
 from paradesc.core import advice, choices, spaces
 
-from ..animation import handlers
+from ..animation import sessions
 from ..bake import sculpt_mask
-from ..bake.modal import ModalJob, Steps, progress_text
-from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
+from ..bake.modal import ModalJob, progress_text
+from ..bake.pieces import Pieces
+from ..scene import large_faces, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -16,7 +17,6 @@ from .drawing import SidebarPanel, choice, in_two_columns, sentence_lines, setti
 from .live_panel import live_sentence
 from .report_panel import stored_report
 from .result import draw_result
-from .wear_panel import draw_wear
 
 # The bake button's share of a row that also has Live.
 BAKE_SHARE = 0.7
@@ -62,7 +62,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
 
 def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws one button for each mask, pressed if chosen. Other choices under Analysis are listed in a line."""
-    chosen = presets.chosen_masks(settings)
+    chosen = presets.masks_of(settings.descriptors)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
         text, icon = label(presets.PRESETS[name].label), MASK_ICONS[name]
@@ -99,7 +99,7 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
 def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws the bake buttons, with the one that suits the meshes first, and beside it the switch of live values."""
     chosen = targets.chosen(context)
-    text = button_text(len(targets.by_mesh(chosen)), presets.chosen_masks(settings))
+    text = button_text(len(targets.by_mesh(chosen)), presets.masks_of(settings.descriptors))
     buttons = [("paradesc.bake", text, "SHADING_TEXTURE"), ("paradesc.bake_image", label(TO_IMAGE), "IMAGE_DATA")]
     if large_faces.of_chosen(context):
         sentence_lines(context, layout, "Faces are too large for vertex colors", "INFO")
@@ -113,7 +113,9 @@ def draw_buttons(context: bpy.types.Context, layout: bpy.types.UILayout, setting
     found = pairs.meant(context)
     if found:
         layout.operator("paradesc.bake_onto", text=onto_text(found), icon="TRIA_DOWN_BAR", translate=False)
-    draw_wear(layout)
+    row = layout.row(align=True)
+    row.operator("paradesc.add_wear", icon="NODE_MATERIAL")
+    row.menu("PARADESC_MT_wear", text="", icon="DOWNARROW_HLT")
 
 
 def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
@@ -125,11 +127,12 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         layout.operator("paradesc.make_local", icon="LINK_BLEND")
     skipped = targets.skipped(context)
     if skipped:
-        kinds = ", ".join(dict.fromkeys(label(targets.kind_words(item)) for item in skipped))
+        types = skipped[0].bl_rna.properties["type"].enum_items  # in Blender's words
+        kinds = ", ".join(dict.fromkeys(label(types[item.type].name) for item in skipped))
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
         layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
-    uneven = [item for item in chosen if not spaces.is_even(mesh_io.world_matrix(item))]
+    uneven = [item for item in chosen if not spaces.is_even(item.matrix_world)]
     if uneven and settings.space == "object":
         if not stored_report(chosen[0]):  # its warnings say so at length
             sentence_lines(context, layout, "The object's uneven scale is ignored", "INFO")
@@ -141,7 +144,7 @@ def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     target = targets.first(context)
     if target is None:
         return
-    sentence, session = live_sentence(target), handlers.session_at(target)
+    sentence, session = live_sentence(target), sessions.session_at(target)
     if sentence:
         sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")
     elif target.paradesc_live.follows and session is not None and session.seconds:
@@ -162,7 +165,7 @@ def draw_research(context: bpy.types.Context, layout: bpy.types.UILayout) -> Non
     row.operator("paradesc.reset_research")
 
 
-def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
+def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Pieces) -> None:
     """Draws the progress as a property, because Blender 4 keeps drawing its own bar in place of later ones."""
     layout.prop(context.window_manager, "paradesc_progress", text="", slider=True)
     sentence_lines(context, layout, progress_text(running), "SORTTIME")

@@ -59,12 +59,14 @@ def stored_report(target: bpy.types.Object | None) -> dict[str, dict]:
 def report_lines(stored: dict[str, dict]) -> list[str]:
     """The facts about one bake, as lines."""
     mesh, field = stored["mesh_report"], stored["field_report"]
+    in_texels = field["radius_in_texels"] > 0  # otherwise the bake used none
+    texels = label(" ({radius_in_texels:.1f} texels)").format(**field) if in_texels else ""
     lines = [
         label("{vertices:,} vertices, {triangles:,} triangles").format(
             vertices=mesh["vertex_count"], triangles=mesh["triangle_count"]
         ),
         label("UV islands: {charts}, seam edges: {seam_edges}").format(**mesh),
-        label("Radius: {radius:.4g}").format(**field) + texels(field),
+        label("Radius: {radius:.4g}").format(**field) + texels,
         label("Coverage: {percent:.2f} %").format(percent=100 * field["coverage_mean"]),
         label("Undefined vertices: {undefined_vertices:,}").format(**field),
         label("Time: {seconds_total:.2f} s ({backend})").format(**{**field, "backend": stored["backend"]}),
@@ -84,11 +86,6 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         lines.append(label(cut).format(**field))
     lines += [label(line).format(**mesh) for name, line in DEFECTS if mesh.get(name)]
     return lines
-
-
-def texels(field: dict[str, float]) -> str:
-    """The radius in texels; "" if the bake used none."""
-    return label(" ({radius_in_texels:.1f} texels)").format(**field) if field["radius_in_texels"] > 0 else ""
 
 
 classes = (PARADESC_PT_report,)

@@ -26,7 +26,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     name = recolor.shown_name(mesh)
     if recolor.baked_names(mesh):
         row = column.row(align=True)
-        row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
+        shown = descriptor_words(name) if name else label("Choose what to show")
+        row.operator_menu_enum("paradesc.show", "name", text=shown, icon="COLOR")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
             if viewports.SOLID_BEFORE in context.screen:  # after wear, which shows materials
@@ -111,9 +112,3 @@ def baked_words(names: list[str]) -> str:
     if len(names) == 1:
         return label(known.get(names[0], names[0]))
     return label("{count} descriptors").format(count=len(names))
-
-
-def shown_words(mesh: bpy.types.Mesh) -> str:
-    """The label of the descriptor whose colors the mesh shows."""
-    name = recolor.shown_name(mesh)
-    return descriptor_words(name) if name else label("Choose what to show")

@@ -1,4 +1,4 @@
-"""The panels of settings: descriptors, neighborhood, quality and device; and for research, method."""
+"""The panels of settings: descriptors, neighborhood, textures, quality and device; and for research, method."""
 
 import bpy
 from mathutils import Vector
@@ -67,6 +67,19 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
         setting(layout, settings, "space")
         if target is not None and target.data.shape_keys is not None:
             setting(layout, settings, "shape_key")
+
+
+class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
+    """Textures over the UV map"""
+
+    bl_label = "Image"
+    bl_idname = "PARADESC_PT_image"
+    bl_order = 25
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws size, outside, packing, use in materials, and the cage distance."""
+        for name in ("texels", "image_outside", "image_packed", "image_to_material", "cage"):
+            setting(layout, settings, name)
 
 
 class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
@@ -175,6 +188,7 @@ classes = (
     PARADESC_MT_devices,
     PARADESC_PT_descriptor,
     PARADESC_PT_neighborhood,
+    PARADESC_PT_image,
     PARADESC_PT_quality,
     PARADESC_PT_method,
 )
