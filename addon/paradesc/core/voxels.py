@@ -54,8 +54,12 @@ def notes(positions: np.ndarray, radius: float, is_chosen: bool) -> list[str]:
 def made_of(positions: np.ndarray) -> tuple[float, bool] | None:
     """The size of the voxels that (n, 3) positions come from, and whether these have steps; None if there are none."""
     some = positions[:: 1 + len(positions) // ENOUGH].astype(np.float64)
-    best, most = None, NEARLY_ALL
-    for grids in product(*(guesses(some[:, axis]) for axis in range(3))):
+    best, most, of_axes = None, NEARLY_ALL, []
+    for axis in range(3):
+        if not (found := guesses(some[:, axis])):
+            return None
+        of_axes.append(found)
+    for grids in product(*of_axes):
         on_plane = np.stack([grid.on_plane for grid in grids])
         on_edge = on_plane.sum(axis=0) == 2
         along = (~on_plane & on_edge).mean(axis=1) > 1 - NEARLY_ALL  # a height field has edges along one axis alone
