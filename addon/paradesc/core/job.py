@@ -93,7 +93,7 @@ class Results:
     device: str
     warnings: list[str]  # limits of the results
     notes: list[str] = field(default_factory=list)  # facts about the measurement, and options without effect
-    shape_notes: list[str] = field(default_factory=list)  # defects of the mesh that limit values
+    shape_notes: Callable[[], list[str]] = list  # gives defects of the mesh that limit values
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, in texture space only
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
     buffers: dict[str, np.ndarray] = field(default_factory=dict)  # what was baked, by bridge.BUFFERS, where asked for
@@ -183,14 +183,19 @@ class Results:
         """Warnings about defects of the mesh, and about a radius below the mean edge, at which values show facets."""
         edge = self.mesh_report["mean_edge"]
         if self.least_radius >= edge or self.settings.radius_fit == fitting.FITTED:
-            return self.shape_notes
+            return self.shape_notes()
         share = f"{self.least_radius / edge:.2g}"
         facets = f"The radius is only {share} of the mean edge, so values show single faces; choose a larger one."
-        return [*self.shape_notes, facets]
+        return [*self.shape_notes(), facets]
 
     def unused_notes(self) -> list[str]:
         """Notes about chosen numbers that have no effect on the backend used."""
         return unused_notes(self.backend, self.settings.options)
+
+
+def shape_notes(positions: np.ndarray, mean_edge: float, radius: float, is_chosen: bool) -> list[str]:
+    """Notes about (n, 3) positions that limit values at the least radius, a length; is_chosen: see voxels.notes()."""
+    return [*origin.rounding_note(positions, mean_edge), *voxels.notes(positions, radius, is_chosen)]
 
 
 def unused_notes(backend: str, options: bridge.Options) -> list[str]:
@@ -328,8 +333,8 @@ def run_on(
     """Computes the descriptors on a native mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(mesh, settings, computing, with_buffers)
-    results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
-    results.shape_notes += voxels.notes(arrays.positions, results.least_radius, settings.radius_fit == fitting.FITTED)
+    about_shape = results.mesh_report["mean_edge"], results.least_radius, settings.radius_fit == fitting.FITTED
+    results.shape_notes = partial(shape_notes, arrays.positions, *about_shape)
     if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
     results.warnings += mesh_faults.sentences(results.mesh_report)

@@ -73,11 +73,11 @@ def listed_polygons(table: np.ndarray) -> Polygons | None:
     if size > 0 and len(table) % (size + 1) == 0 and (table[:: size + 1] == size).all():
         rows = table.reshape(-1, size + 1)
         return Polygons(rows[:, 1:].reshape(-1), np.full(len(rows), size, np.int64))
-    heads, at, listed = [], 0, table.tolist()
-    while at < len(listed) and listed[at] >= 0:
+    heads, at, numbers = [], 0, table.tolist()
+    while at < len(numbers) and numbers[at] >= 0:
         heads.append(at)
-        at += listed[at] + 1
-    return Polygons(np.delete(table, heads), table[heads]) if at == len(listed) else None
+        at += numbers[at] + 1
+    return Polygons(np.delete(table, heads), table[heads]) if at == len(numbers) else None
 
 
 def triangles_of_strips(vertices: np.ndarray, restart: int | None = None) -> np.ndarray:
