@@ -82,10 +82,13 @@ TEST_F(Memory, a_computation_over_the_limit_is_refused_and_the_mesh_stays_usable
     std::string why_not;
     if (!open_context(backend, why_not)) continue;
     options.buffer_size = 256;
+    options.creases = PDESC_CREASES_NONE; // memory for these is refused only where there are some
     const Context plenty = open_limited(backend, 0);
     const pdesc_memory memory = memory_of(make_mesh(plenty.get(), ball).get(), backend);
     for (const bool enough : {false, true}) {
-      const Context limited = open_limited(backend, enough ? memory.total : memory.total - 1);
+      // The processor takes the whole of it only for a rough surface.
+      const int64_t less = backend == PDESC_BACKEND_CPU ? bytes_of_input(input_of(ball)) : memory.total - 1;
+      const Context limited = open_limited(backend, enough ? memory.total : less);
       const Mesh mesh = make_mesh(limited.get(), ball);
       ASSERT_TRUE(mesh);
       pdesc_field *field = never_field();
@@ -116,14 +119,35 @@ TEST_F(Memory, samples_of_a_surface_that_is_displaced_far_are_refused_before_the
   options.samples = 4096;
   const Context plenty = open_limited(PDESC_BACKEND_CPU, 0);
   const pdesc_memory memory = memory_of(displaced(plenty).get(), PDESC_BACKEND_CPU);
-  const Context limited = open_limited(PDESC_BACKEND_CPU, memory.total + 10'000'000); // a little more than was expected
+  const Context limited = open_limited(PDESC_BACKEND_CPU, memory.total + 1'000'000); // a little more than was expected
   const Mesh mesh = displaced(limited);
   pdesc_field *field = never_field();
-  expect_refused(compute_on(mesh.get(), &field), PDESC_ERROR_OUT_OF_MEMORY, {"samples", "larger radius", "MB may be used"});
+  expect_refused(compute_on(mesh.get(), &field), PDESC_ERROR_OUT_OF_MEMORY, {"samples", "larger radius", "may be used"});
   EXPECT_EQ(field, never_field());
   ASSERT_EQ(pdesc_mesh_set_displacement(mesh.get(), nullptr, 0, 0, 0.0, 1.0), PDESC_OK);
   ASSERT_EQ(compute_on(mesh.get(), &field), PDESC_OK) << pdesc_last_error();
   pdesc_field_destroy(field);
+}
+
+// What only rough or creased surfaces take is refused as soon as that is known, and smooth ones of as many triangles are
+// computed.
+TEST_F(Memory, a_rough_surface_is_refused_where_a_smooth_one_is_computed) {
+  const TestMesh smooth = torus(1.0, 0.4, {.vertices = 200000});
+  TestMesh rough = smooth;
+  std::mt19937 random(1);
+  std::normal_distribution<float> step(0.0f, 0.01f);
+  for (float &coordinate : rough.positions) coordinate += step(random);
+  options.radius = 0.1;
+  const Context plenty = open_limited(PDESC_BACKEND_CPU, 0);
+  const pdesc_memory memory = memory_of(make_mesh(plenty.get(), smooth).get(), PDESC_BACKEND_CPU);
+  const Context limited = open_limited(PDESC_BACKEND_CPU, memory.mesh + memory.host / 2);
+  const Mesh fine = make_mesh(limited.get(), smooth), coarse = make_mesh(limited.get(), rough);
+  pdesc_field *field = nullptr;
+  ASSERT_EQ(compute_on(fine.get(), &field), PDESC_OK) << pdesc_last_error();
+  pdesc_field_destroy(field);
+  field = never_field();
+  expect_refused(compute_on(coarse.get(), &field), PDESC_ERROR_OUT_OF_MEMORY, {"so rough", "fewer triangles", "may be used"});
+  EXPECT_EQ(field, never_field());
 }
 
 TEST_F(Memory, a_larger_buffer_map_or_mesh_is_expected_to_take_more) {

@@ -347,9 +347,9 @@ PDESC_API int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
-/* The bytes that a computation would take, computed from counts and options before anything is allocated; usually slightly above
- * the true need. pdesc_mesh_create and pdesc_compute refuse more than is allowed (OUT_OF_MEMORY, with these numbers), also if a
- * neighborhood turns out to have too many pieces during the computation. */
+/* The bytes that a computation may take, computed from counts and options before anything is allocated. On the CPU, a smooth surface
+ * without creases takes a quarter of them. pdesc_mesh_create and pdesc_compute refuse more than is allowed (OUT_OF_MEMORY, with these
+ * numbers): the part that every surface takes at once, and the rest as soon as the surface is known to need it. */
 typedef struct pdesc_memory {
   uint32_t struct_size;
   int64_t mesh;    /* held by the mesh, with or without a computation */

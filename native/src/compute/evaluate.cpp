@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compute/centers.h"
+#include "compute/memory.h"
 #include "descriptor/registry.h"
 #include "engine/creases/blend.h"
 
@@ -17,7 +18,7 @@ namespace {
 class RunningPass {
 public:
   RunningPass(Session &session, const PassInputs &of)
-      : of_(of), evaluate_(session.start(of)), creases_(of.surface, of.pass.rows, of.radius(), of.resources.threads) {}
+      : of_(of), evaluate_(session.start(of)), creases_(of.surface, of.pass.rows, of.radius(), of.resources) {}
 
   // Evaluates the first `count` points.
   CenterResults at_points(std::span<const int> rows, int32_t count, const Part &progress) const {
@@ -110,7 +111,9 @@ static const TexelMap *prepare(Mesh &mesh, const Surface &surface, const Request
 static CenterResults run(Mesh &mesh, const Surface &surface, const Request &request, const TexelMap *texels,
                          const Progress &progress, CenterResults &at_texels) {
   const pdesc_options &options = request.options;
-  const Resources resources = resources_of(*mesh.context);
+  Resources resources = resources_of(*mesh.context);
+  const MemoryForecast memory = forecast_memory_of(mesh, mesh.engine->backend(), options, request.descriptors);
+  resources.memory_held = memory.total() - memory.rough;
   const BakeSpace space = bake_space_of(surface.box);
   const double begin = abilities_of(mesh.engine->backend()).prepared;
   const int32_t points = surface.half_edges.point_count;

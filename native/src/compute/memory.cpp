@@ -9,6 +9,7 @@
 #include "compute/choice.h"
 #include "compute/refine.h"
 #include "descriptor/registry.h"
+#include "engine/creases/blend.h"
 #include "engine/engines.h"
 #include "engine/memory.h"
 #include "support/parallel.h"
@@ -51,14 +52,10 @@ static double disks_of(const Mesh &mesh, const pdesc_options &options) {
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
 }
 
-// Bytes of normals and results, in addition to the mesh.
+// Bytes of normals and results, in addition to the mesh. The map that operators read is computed at the points of all pieces.
 static int64_t bytes_of_results(const ComputationSize &size) {
-  constexpr int64_t of_row = 128, of_thread = 4; // per triangle: FaceRow; and thread: FacetFlood's marks
-  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + of_row + size.threads * of_thread;
-  // The map that operators read is computed at the points of all pieces.
-  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
-  const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;
-  return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * points;
+  const int64_t points = reads_map(size.descriptors) ? size.piece_points : size.points;
+  return 60 * size.triangles + 300 * size.points + 12 * rows_of(size.descriptors) * points;
 }
 
 // The memory for texels: centers in their first order and in that of the texels, results and images, and one band with the map's
@@ -87,6 +84,11 @@ MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &
                              descriptors};
   MemoryForecast memory = forecast_memory(backend, size);
   memory.host += bytes_of_results(size);
+  if (options.creases != PDESC_CREASES_NONE) {
+    const int64_t creases = triangles * bytes_of_creased_triangle(size.threads);
+    memory.host += creases;
+    memory.rough += creases;
+  }
   if (options.evaluate == PDESC_EVALUATE_TEXEL && abilities_of(backend).texels) memory.host += bytes_of_texels(size);
   if (plan) memory.host += bytes_of_refined_surface(mesh, *plan);
   memory.mesh = bytes_of_mesh(mesh);
@@ -105,7 +107,7 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
   const bool divided = is_divided(mesh, backend);
   const bool buffers = abilities_of(backend).texture_space;
-  const int64_t needed = memory.total() - memory.mesh;
+  const int64_t needed = memory.total() - memory.rough - memory.mesh;
   if (mesh.session && memory.total() <= mesh.memory_held) return;
   check_memory(mesh.context->memory_limit,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +

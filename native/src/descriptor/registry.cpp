@@ -45,6 +45,10 @@ std::vector<std::string> all_terms() {
   return found;
 }
 
+bool reads_map(std::span<const int> rows) {
+  return std::ranges::any_of(rows, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
+}
+
 bool uses_terms(int row, std::string_view terms) {
   const std::string list = std::string(" ") + descriptor_row(row).terms + " ";
   return list.find(" " + std::string(terms) + " ") != list.npos;

@@ -36,6 +36,8 @@ int gradient_row();
 // The files in shaders/kernel/terms, and whether a row needs one of them.
 std::vector<std::string> all_terms();
 bool uses_terms(int row, std::string_view terms);
+// Returns whether one of the rows is an operator on a map.
+bool reads_map(std::span<const int> rows);
 
 // Index of a row. Throws Error(INVALID_ARGUMENT) that lists the available names.
 int find_descriptor(const char *name);

@@ -44,6 +44,7 @@ struct Resources {
   int64_t memory_limit = 0;                // as in pdesc_context_options
   int smallest_tile = 128;                 // centers of the smallest tile; no result may depend on it
   std::optional<double> tile_seconds = {}; // the time of each tile if tests set it; otherwise it is measured
+  int64_t memory_held = 0;                 // bytes of the mesh and its results, which count against the limit
 };
 
 // The mesh that a surface was divided from.
@@ -156,6 +157,7 @@ struct ComputationSize {
 struct MemoryForecast {
   int64_t mesh = 0;           // held by the mesh between computations
   int64_t host = 0;           // in addition to the mesh
+  int64_t rough = 0;          // the part of `host` that only a rough or creased surface takes, and checks once that is known
   int64_t device = 0;         // textures and buffers
   int64_t device_on_host = 0; // the part of `device` in host memory: all of it for a software rasterizer
   int64_t total() const { return mesh + host + device_on_host; } // host memory

@@ -29,7 +29,7 @@ int64_t divided_triangles(const ExactSurface &surface, double radius, const Exac
   const ListedSurface listed(surface, surface.patches_for(radius, setting), {.large = 1.25f * unit},
                              {setting.triangles * unit * unit}, SampledTriangles::large);
   int64_t count = 0;
-  for (size_t i = 0; i < listed.samples.item.size(); ++i) count += listed.samples.first[i] == listed.samples.first[i + 1] ? 1 : 0;
+  listed.for_each_item([&](const SampleBlock &block, int32_t k) { count += block.is_divided(k) ? 1 : 0; });
   return count;
 }
 

@@ -69,14 +69,15 @@ TEST(PatchSamples, stand_for_what_has_no_moments) {
     double area = 0;
     for (int32_t patch = 0; patch < arrays.patches; ++patch)
       area += static_cast<double>(arrays.moment[arrays.row_of_patch(patch)].of[moment_area]);
-    for (size_t i = 0; i < listed.samples.item.size(); ++i)
-      for (int32_t k = listed.samples.first[i]; listed.samples.item[i] >= 0 && k < listed.samples.first[i + 1]; ++k)
-        area += static_cast<double>(listed.samples.list.sample[static_cast<size_t>(k)].area);
+    listed.for_each_item([&](const SampleBlock &block, int32_t k) {
+      for (int32_t i = block.first[k]; block.item[k] >= 0 && i < block.first[k + 1]; ++i)
+        area += static_cast<double>(block.list.sample[i].area);
+    });
     EXPECT_NEAR(area, area_of(mesh), 1e-5 * area_of(mesh)) << vertices << " vertices";
     if (vertices == 200) {
-      EXPECT_GT(listed.samples.item.size(), 20u);
+      EXPECT_GT(listed.items(), 20u);
     } else {
-      EXPECT_EQ(listed.samples.item.size(), static_cast<size_t>(listed.patches.clusters()));
+      EXPECT_EQ(listed.items(), static_cast<size_t>(listed.patches.clusters()));
     }
   }
 }
@@ -88,11 +89,11 @@ TEST(PatchSamples, are_about_as_many_as_were_counted_and_few_where_they_are_clus
     const PatchedMesh mesh = mesh_of(torus(1, 0.4, {.vertices = vertices}));
     const ListedSurface listed(mesh, patches_at(mesh, radius, true), {.sums = false}, limit_at(mesh, radius),
                                SampledTriangles::all);
-    const auto samples = static_cast<double>(listed.samples.list.sample.size());
+    const auto samples = static_cast<double>(listed.stored_samples());
     const double counted = count_samples(listed.sampled, listed.limit, SampledTriangles::all);
     EXPECT_NEAR(samples / counted, 1.0, 0.15) << vertices << " vertices";
     if (vertices < 40000) continue;
-    EXPECT_LT(listed.samples.list.sample.size(), static_cast<size_t>(mesh.triangles.triangle_count / 4));
+    EXPECT_LT(listed.stored_samples(), static_cast<size_t>(mesh.triangles.triangle_count / 4));
     EXPECT_GT(listed.patches.clusters(), 1000);
   }
 }

@@ -65,14 +65,31 @@ struct ListedSurface {
   }
   ListedSurface(const ListedSurface &) = delete;
 
+  // Calls use(block, k) for each item.
+  template <class Use> void for_each_item(const Use &use) const {
+    for (const SampleBlock &block : samples)
+      for (int32_t k = 0; k < static_cast<int32_t>(block.item.size()); ++k) use(block, k);
+  }
+  size_t items() const {
+    size_t count = 0;
+    for_each_item([&](const SampleBlock &, int32_t) { ++count; });
+    return count;
+  }
+  size_t stored_samples() const {
+    size_t count = 0;
+    for (const SampleBlock &block : samples) count += block.list.sample.size();
+    return count;
+  }
   // Adds the samples of triangles that are not stored, since they are too many.
   SampleList all_samples() const {
     SampleList all;
-    all.sample = samples.list.sample;
-    all.map = samples.list.map;
-    for (size_t i = 0; i < samples.item.size(); ++i)
-      if (samples.first[i] == samples.first[i + 1])
-        divide_triangle(sampled.triangle(samples.item[i]), limit, {}, sampled.map != nullptr, all);
+    for (const SampleBlock &block : samples) {
+      all.sample.insert(all.sample.end(), block.list.sample.begin(), block.list.sample.end());
+      all.map.insert(all.map.end(), block.list.map.begin(), block.list.map.end());
+    }
+    for_each_item([&](const SampleBlock &block, int32_t k) {
+      if (block.is_divided(k)) divide_triangle(sampled.triangle(block.item[k]), limit, {}, sampled.map != nullptr, all);
+    });
     return all;
   }
 

@@ -41,7 +41,7 @@ struct Subject {
     Surface surface{triangles, half_edges, made, with_creases ? &creases : nullptr, maps, box, atlases, 0};
     const Facets facets = find_facets(triangles, half_edges, normals, creases);
     surface.facets = [&]() -> const Facets & { return facets; };
-    CreaseBlend(surface, std::span(&row, 1), radius, 0).at_points(std::span(&row, 1), results);
+    CreaseBlend(surface, std::span(&row, 1), radius, {}).at_points(std::span(&row, 1), results);
     std::vector<double> values;
     for (const int32_t point : half_edges.vertex_point) values.push_back(results.values[0][static_cast<size_t>(point)]);
     return values;

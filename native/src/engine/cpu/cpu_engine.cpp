@@ -51,21 +51,17 @@ private:
 
 std::shared_ptr<Engine> open_cpu_engine(int threads) { return std::make_shared<CpuEngine>(threads); }
 
-// The memory for the order of points, patches and their surface, and for what is used while they are made.
-static int64_t bytes_of_patches(const ComputationSize &size) {
-  constexpr int64_t of_triangle = 48 + sizeof(RimTriangle) + sizeof(MomentRow) + 10, of_point = 340;
-  constexpr int64_t of_thread = 12; // for each point
-  return size.pieces * of_triangle + size.piece_points * (of_point + size.threads * of_thread);
-}
-
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   const Pass finest{Stage::surface, {size.descriptors.begin(), size.descriptors.end()}};
   const auto triangles = static_cast<double>(size.pieces);
   const double divided =
-      std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
+      std::min(2.0 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   const double listed = plan_sums(finest.rows, size.options, false).kind == SumKind::fit ? 0.0 : triangles;
+  const int64_t of_sample = bytes_of_sample + (reads_map(size.descriptors) ? static_cast<int64_t>(sizeof(SampleMap)) : 0);
   MemoryForecast memory;
-  memory.host = bytes_of_patches(size) + static_cast<int64_t>(listed + divided) * bytes_of_sample;
+  memory.rough =
+      bytes_of_patches(size.pieces, size.piece_points, size.threads) + static_cast<int64_t>(listed + divided) * of_sample;
+  memory.host = memory.rough + bytes_of_order * size.piece_points;
   return memory;
 }
 

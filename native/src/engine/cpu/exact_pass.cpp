@@ -69,7 +69,7 @@ private:
   void list_samples();
   void finish_center(int32_t lane, int32_t index, bool boundary, CenterResults &results);
   void add_samples(int32_t lane, const SumCenter &center, float *sums);
-  void divide(int32_t listed);
+  void divide(int32_t triangle);
   void forget();
 
   const ExactPass &pass_;
@@ -235,19 +235,17 @@ SphereSets GroupWork::sets_of(int32_t item) const {
 
 // Divides the very large triangles that some ball may meet.
 void GroupWork::divide_large() {
-  const PatchSamples &samples = pass_.samples;
   for (int32_t i = 0; i < near_.patches; ++i)
-    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
-      if (!samples.is_divided(k)) continue;
-      if (const auto [whole, part] = sets_of(samples.item[k]); (whole | part) != 0) divide(k);
-    }
+    for_each_item(pass_.samples, near_.patch[i].patch, [&](const SampleBlock &block, int32_t k) {
+      if (!block.is_divided(k)) return;
+      if (const auto [whole, part] = sets_of(block.item[k]); (whole | part) != 0) divide(block.item[k]);
+    });
 }
 
 // Lists the samples of what is summed one by one for each center, in its order.
 void GroupWork::list_samples() {
   static const FlatSample nothing{};
   static const SampleMap no_map{};
-  const PatchSamples &samples = pass_.samples;
   const bool has_map = pass_.sampled.map != nullptr;
   divide_large();
   whole_.clear();
@@ -263,24 +261,22 @@ void GroupWork::list_samples() {
     if (has_map) map_.push_back(&list.map[i]);
   };
   size_t next_divided = 0;
-  for (int32_t i = 0; i < near_.patches; ++i)
-    for (int32_t k = samples.begin[near_.patch[i].patch]; k < samples.begin[near_.patch[i].patch + 1]; ++k) {
-      const SphereSets sets = sets_of(samples.item[k]);
-      if ((sets.within | sets.touched) == 0) continue;
-      const bool divided = samples.is_divided(k);
-      const SampleList &list = divided ? divided_ : samples.list;
-      const int32_t first = divided ? divided_begin_[next_divided] : samples.first[k],
-                    last = divided ? divided_begin_[next_divided + 1] : samples.first[k + 1];
-      next_divided += divided;
-      if (last - first == 1)
-        add(list, first, sets);
-      else
-        for (int32_t run = first; run < last; run += samples_of_run) {
-          if (!divided && is_beyond(list.sample[run], list.sample[run].run_reach)) continue;
-          for (int32_t part = run; part < std::min(run + samples_of_run, last); ++part)
-            add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
-        }
+  const auto add_item = [&](const SampleBlock &block, int32_t k) {
+    const SphereSets sets = sets_of(block.item[k]);
+    if ((sets.within | sets.touched) == 0) return;
+    const bool divided = block.is_divided(k);
+    const SampleList &list = divided ? divided_ : block.list;
+    const int32_t first = divided ? divided_begin_[next_divided] : block.first[k],
+                  last = divided ? divided_begin_[next_divided + 1] : block.first[k + 1];
+    next_divided += divided;
+    if (last - first == 1) return add(list, first, sets);
+    for (int32_t run = first; run < last; run += samples_of_run) {
+      if (!divided && is_beyond(list.sample[run], list.sample[run].run_reach)) continue;
+      for (int32_t part = run; part < std::min(run + samples_of_run, last); ++part)
+        add(list, part, sets_of_part(list.sample[part], sets.within | sets.touched));
     }
+  };
+  for (int32_t i = 0; i < near_.patches; ++i) for_each_item(pass_.samples, near_.patch[i].patch, add_item);
   whole_.distribute(pass_.target, centers_.count);
   cut_.distribute(pass_.target, centers_.count);
 }
@@ -312,9 +308,9 @@ SphereSets GroupWork::sets_of_part(const FlatSample &part, uint32_t centers) con
 }
 
 // Divides a very large triangle where it is near the group.
-void GroupWork::divide(int32_t listed) {
+void GroupWork::divide(int32_t triangle) {
   const vec3 middle(centers_.middle[0], centers_.middle[1], centers_.middle[2]);
-  divide_triangle(pass_.sampled.triangle(pass_.samples.item[listed]), pass_.limit, {middle, centers_.spread + centers_.radius},
+  divide_triangle(pass_.sampled.triangle(triangle), pass_.limit, {middle, centers_.spread + centers_.radius},
                   pass_.sampled.map != nullptr, divided_);
   divided_begin_.push_back(static_cast<int32_t>(divided_.sample.size()));
 }

@@ -1,4 +1,4 @@
-// Lists the samples of blocks of patches in parallel, and then joins the lists.
+// Lists the samples of blocks of patches in parallel.
 #include "engine/cpu/patch_samples.h"
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 
 namespace paradesc {
 
-static constexpr int patches_of_block = 64;
 static constexpr float least_area = 1e-30f; // its reciprocal is a finite float
 
 SampledTriangle SampledSurface::triangle(int32_t place) const {
@@ -122,58 +121,37 @@ static void add_triangle(const SampledTriangle &triangle, const SampleLimit &lim
   if (has_map) list.map.push_back(map_of_triangle(triangle.map));
 }
 
-PatchSamples list_samples(const SampledSurface &surface, const SampleLimit &limit, SampledTriangles which) {
-  struct Part {
-    std::vector<int32_t> item, first, count; // count: items of each patch
-    SampleList list;
+static void add_patch(const SampledSurface &surface, const SampleLimit &limit, SampledTriangles which, int32_t patch,
+                      SampleBlock &block) {
+  const auto end = [&](int32_t item) {
+    block.item.push_back(item);
+    block.first.push_back(static_cast<int32_t>(block.list.sample.size()));
   };
+  for_each_sampled(surface, which, patch, patch + 1, [&](int32_t t, const SampledTriangle &triangle) {
+    add_triangle(triangle, limit, surface.map != nullptr, block.list);
+    end(t);
+  });
+  for (int32_t k = surface.patches.cluster_begin[patch]; k < surface.patches.cluster_begin[patch + 1]; ++k) {
+    const Sample sample = surface.cluster(k);
+    if (!(sample.area > least_area)) continue;
+    block.list.sample.push_back(flat(sample, true));
+    if (surface.map) block.list.map.push_back(surface.map_of_cluster(k, sample));
+    end(~k);
+  }
+  block.begin.push_back(static_cast<int32_t>(block.item.size()));
+}
+
+PatchSamples list_samples(const SampledSurface &surface, const SampleLimit &limit, SampledTriangles which) {
   const Blocks blocks{surface.patches.patches(), patches_of_block};
-  std::vector<Part> parts(static_cast<size_t>(blocks.number()));
-  parallel_blocks(blocks.number(), surface.threads, 1, [&](int block, int) {
-    Part &part = parts[block];
-    for (int32_t patch = blocks.begin(block); patch < blocks.end(block); ++patch) {
-      const auto begin = [&](int32_t item) {
-        part.item.push_back(item);
-        part.first.push_back(static_cast<int32_t>(part.list.sample.size()));
-      };
-      const size_t before = part.item.size();
-      for_each_sampled(surface, which, patch, patch + 1, [&](int32_t t, const SampledTriangle &triangle) {
-        begin(t);
-        add_triangle(triangle, limit, surface.map != nullptr, part.list);
-      });
-      for (int32_t k = surface.patches.cluster_begin[patch]; k < surface.patches.cluster_begin[patch + 1]; ++k) {
-        const Sample sample = surface.cluster(k);
-        if (!(sample.area > least_area)) continue;
-        begin(~k);
-        part.list.sample.push_back(flat(sample, true));
-        if (surface.map) part.list.map.push_back(surface.map_of_cluster(k, sample));
-      }
-      part.count.push_back(static_cast<int32_t>(part.item.size() - before));
-    }
+  PatchSamples samples(static_cast<size_t>(blocks.number()));
+  parallel_blocks(blocks.number(), surface.threads, 1, [&](int index, int) {
+    SampleBlock block;
+    for (int32_t patch = blocks.begin(index); patch < blocks.end(index); ++patch) add_patch(surface, limit, which, patch, block);
+    block.list.sample.shrink_to_fit();
+    block.list.map.shrink_to_fit();
+    samples[index] = std::move(block);
   });
-  PatchSamples all;
-  all.begin.push_back(0);
-  for (const Part &part : parts)
-    for (const int32_t count : part.count) all.begin.push_back(all.begin.back() + count);
-  size_t samples = 0;
-  for (const Part &part : parts) samples += part.list.sample.size();
-  all.item.resize(static_cast<size_t>(all.begin.back()));
-  all.first.resize(all.item.size() + 1);
-  all.list.sample.resize(samples);
-  if (surface.map) all.list.map.resize(samples);
-  std::vector<size_t> sample_begin{0};
-  for (const Part &part : parts) sample_begin.push_back(sample_begin.back() + part.list.sample.size());
-  all.first.back() = static_cast<int32_t>(samples);
-  parallel_blocks(blocks.number(), surface.threads, 1, [&](int block, int) {
-    const Part part = std::exchange(parts[block], {});
-    const int32_t to = all.begin[blocks.begin(block)];
-    std::ranges::copy(part.item, all.item.begin() + to);
-    for (size_t i = 0; i < part.first.size(); ++i)
-      all.first[static_cast<size_t>(to) + i] = part.first[i] + static_cast<int32_t>(sample_begin[block]);
-    std::ranges::copy(part.list.sample, all.list.sample.begin() + static_cast<ptrdiff_t>(sample_begin[block]));
-    std::ranges::copy(part.list.map, all.list.map.begin() + static_cast<ptrdiff_t>(surface.map ? sample_begin[block] : 0));
-  });
-  return all;
+  return samples;
 }
 
 } // namespace paradesc

@@ -61,9 +61,10 @@ static EvaluateParams params_of(const PassInputs &of) {
 
 // Throws if so many samples do not fit. The mesh's counts cannot predict this, since maps may displace a surface arbitrarily far.
 static void check_samples(const PassInputs &of, double count) {
-  const int64_t of_sample = bytes_of_sample + (of.map ? 2 * static_cast<int64_t>(sizeof(SampleMap)) : 0);
+  const int64_t of_sample = bytes_of_sample + (of.map ? static_cast<int64_t>(sizeof(SampleMap)) : 0);
   check_memory(of.resources.memory_limit, "A surface that about " + std::to_string(std::llround(count)) + " samples stand for",
-               "use a larger radius, fewer samples, or maps that displace less", std::llround(count) * of_sample, 0);
+               "use a larger radius, fewer samples, or maps that displace less", std::llround(count) * of_sample,
+               of.resources.memory_held);
 }
 
 // Returns the mean unit normals of the faces around each point, weighted by area.
@@ -110,10 +111,21 @@ static std::vector<int32_t> plan_nodes(const PassInputs &of, const PointOrder &o
   return plan_nodes(order, surface, limit, of.resources.threads);
 }
 
+// Throws if so many nodes do not fit. A smooth surface has far fewer than points.
+static void check_nodes(const PassInputs &of, size_t nodes) {
+  const auto count = static_cast<int64_t>(nodes);
+  const int64_t triangles = std::min<int64_t>(of.surface.triangles.triangle_count, 2 * count); // Euler: two for each node
+  check_memory(of.resources.memory_limit,
+               "A surface so rough that about " + std::to_string(triangles) + " triangles are summed one by one",
+               "use fewer triangles", bytes_of_patches(triangles, count, of.resources.threads), of.resources.memory_held);
+}
+
 static const PointPatches &patches_of(const PassInputs &of, const PointOrder &order, SummedMesh &kept) {
   const std::pair key(of.surface.topology_version, plan_nodes(of, order));
-  return kept.patches.get(key,
-                          [&] { return build_point_patches(order, of.surface.half_edges, key.second, of.resources.threads); });
+  return kept.patches.get(key, [&] {
+    check_nodes(of, key.second.size());
+    return build_point_patches(order, of.surface.half_edges, key.second, of.resources.threads);
+  });
 }
 
 static const PatchSurface &refit(const PassInputs &of, const PatchSurface::Mesh &mesh, const PointPatches &patches,

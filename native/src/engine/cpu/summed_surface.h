@@ -24,8 +24,12 @@ struct Fineness {
 };
 Fineness fineness_of(const Pass &pass, const pdesc_options &options);
 
-// Samples are stored in growing parts and in one list.
-inline constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
+// The memory of the order of points, for each point, and of patches, their surface and the work of threads.
+inline constexpr int64_t bytes_of_order = 100;
+constexpr int64_t bytes_of_patches(int64_t triangles, int64_t nodes, int threads) {
+  constexpr int64_t of_triangle = 48 + sizeof(RimTriangle) + sizeof(MomentRow) + 10, of_node = 240, of_thread = 12;
+  return triangles * of_triangle + nodes * (of_node + threads * of_thread);
+}
 
 // The stages of a mesh that are kept from one pass to the next.
 struct SummedMesh {

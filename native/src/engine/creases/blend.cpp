@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "descriptor/registry.h"
+#include "engine/memory.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
 #include "support/pool.h"
@@ -89,9 +90,12 @@ static void mix(float *value, const Value &solid, size_t components, float share
   for (int k = 0; k < 3; ++k) value[k] = largest < 0.0f ? -unit[k] : unit[k];
 }
 
-CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads)
-    : surface_(surface), radius_(radius), threads_(threads) {
+CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, const Resources &resources)
+    : surface_(surface), radius_(radius), threads_(resources.threads) {
   if (!surface.creases || surface.creases->edges.empty() || surface.maps.any() || std::ranges::none_of(rows, is_of_solid)) return;
+  const int64_t triangles = surface.triangles.triangle_count;
+  check_memory(resources.memory_limit, "The curvature beside creases on a surface of " + std::to_string(triangles) + " triangles",
+               "use fewer triangles", triangles * bytes_of_creased_triangle(thread_count(threads_)), resources.memory_held);
   solid_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, surface.facets()},
                  radius);
 }

@@ -12,11 +12,15 @@
 
 namespace paradesc {
 
+// The memory of facets, of FaceRows, and of the marks of threads.
+constexpr int64_t bytes_of_creased_triangle(int threads) { return 120 + 128 + 4 * int64_t{threads}; }
+
 // Blends values for one radius, in units of the positions. Does nothing if the surface has no creases, if maps displace it, or if
 // none of the rows depends on curvature.
 class CreaseBlend {
 public:
-  CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
+  // Throws Error if there is too little memory.
+  CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, const Resources &resources);
 
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;

@@ -34,10 +34,6 @@ std::shared_ptr<Engine> open_paper_engine(bool software, int device_index, const
   return std::make_shared<PaperEngine>(software, device_index, substitute);
 }
 
-static bool reads_map(std::span<const int> descriptors) {
-  return std::ranges::any_of(descriptors, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
-}
-
 // Returns the bytes that centers keep on the device between the dispatches of their samples.
 static int64_t bytes_of_marches(const pdesc_options &options, int64_t centers) {
   constexpr int64_t of_sums = 2048;
