@@ -165,7 +165,7 @@ def test_32_bit_floats_that_hold_all_digits_give_the_same_values():
     np.testing.assert_allclose(found, expected, atol=1e-5 * np.ptp(expected))  # the middle is no whole number
 
 
-def test_some_positions_tell_of_no_far_mesh_that_it_is_near():
+def test_a_mesh_is_far_if_most_of_it_is_farther_than_it_is_wide():
     generator = np.random.default_rng(0)
     far = 0
     for count in (1, 2, 3, 65, 1000):
@@ -174,8 +174,35 @@ def test_some_positions_tell_of_no_far_mesh_that_it_is_near():
             low, high = points.min(axis=0), points.max(axis=0)
             is_far = np.abs(low + high).max() > 2 * (high - low).max()
             far += is_far
-            assert (origin.far_center(points) is not None) == is_far
+            center = origin.far_center(points)
+            assert center is not None or not is_far
+            assert center is None or np.abs(points - center).max(axis=1).mean() < np.abs(points).max(axis=1).mean()
     assert 100 < far < 900
+
+
+@pytest.mark.parametrize("place", [0, 61, -1])
+def test_one_vertex_without_a_face_at_the_origin_costs_no_digits(place):
+    points, quads, _ = surface()
+    values = {"radius": 0.8, "radius_unit": "absolute"}
+    expected = paradesc.compute(surface(0)[0], quads, **values)["mean_curvature"]
+    place %= len(points) + 1
+    quads = quads + (quads >= place)
+    found = paradesc.compute(np.insert(points, place, 0, axis=0), quads, **values)["mean_curvature"]
+    np.testing.assert_allclose(np.delete(found, place), expected, atol=SHARE * np.ptp(expected))
+
+
+def test_parts_too_far_apart_for_their_edges_are_told_of():
+    points, quads, _ = surface(0)
+    points, quads = np.concatenate([points, points + MAP]), np.concatenate([quads, quads + len(points)])
+    with pytest.warns(paradesc.ParadescWarning, match="Compute the parts one by one"):
+        paradesc.compute(points, quads, radius=0.8, radius_unit="absolute")
+
+
+@pytest.mark.parametrize("place", [0.0, 1.0])
+def test_a_mesh_that_is_one_point_has_no_values_wherever_it_is(place):
+    with pytest.warns(paradesc.ParadescWarning):
+        found = paradesc.compute([[place] * 3] * 3, [[0, 1, 2]], radius=0.5)
+    assert np.isnan(found["mean_curvature"]).all()
 
 
 def test_arrays_of_any_type_reach_the_library_near_the_origin():

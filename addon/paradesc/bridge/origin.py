@@ -13,24 +13,23 @@ ROUNDING_THAT_SHOWS = 1e-3
 
 
 def far_center(points: np.ndarray) -> np.ndarray | None:
-    """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span; None of others."""
-    if len(points) == 0 or is_around_origin(points):
-        return None
-    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
-        center = low / 2 + high / 2
-        return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
+    """(3,) float64 middle of (n, 3) positions if most lie farther from the origin than they span, else None.
 
-
-def is_around_origin(points: np.ndarray) -> bool:
-    """Returns whether a sample of (n, 3) positions shows that they are not far. It runs several times for each frame.
-
-    The middle of a box is at most half of its width away from any point, so a box that lies far from the origin has no
-    point nearer to it than that.
+    A few that lie elsewhere do not count: vertices without a face are often left at the origin. It runs several times
+    for each frame, so a sample decides.
     """
-    some = points[:: len(points) // 64 + 1].astype(np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return bool(np.abs(some).max(axis=1).min() <= np.ptp(some / 2, axis=0).max())
+    if len(points) == 0:
+        return None
+    some = np.sort(points[:: len(points) // 64 + 1].astype(np.float64), axis=0)
+    few = len(some) // 16
+    with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
+        return middle_if_far(some[few], some[-1 - few])
+
+
+def middle_if_far(low: np.ndarray, high: np.ndarray) -> np.ndarray | None:
+    """(3,) middle of a box if it lies farther from the origin than the box is wide, else None."""
+    center = low / 2 + high / 2
+    return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
@@ -62,17 +61,31 @@ def check_finite(points: np.ndarray) -> None:
 
 def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
     """A note about precision lost where 32-bit positions (n, 3) lie too far from the origin for their mean edge."""
-    if far_center(points) is None:
+    if not mean_edge > 0:
         return []
-    reach = float(np.abs(points).max())
+    center = far_center(points)
+    is_of_floats = np.array_equal(points.astype(np.float32), points)
+    reach = reach_of(points if center is None or is_of_floats else points - center)
     step = float(np.spacing(np.float32(reach)))
-    if not step > ROUNDING_THAT_SHOWS * mean_edge or not np.array_equal(points.astype(np.float32), points):
+    if not step > ROUNDING_THAT_SHOWS * mean_edge or (center is None and is_of_floats):
         return []
+    share = f"{step / mean_edge:.2g}"
+    if is_of_floats:
+        return [
+            f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are "
+            f"rounded to {share} of the mean edge. Move it to the origin before it is saved so; text, and "
+            "a .ply of doubles, keep their digits where --reader files reads them."
+        ]
     return [
-        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are "
-        f"rounded to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it is saved so; text, and "
-        "a .ply of doubles, keep their digits where --reader files reads them."
+        f"Parts of the mesh lie {reach:.3g} apart, where 32-bit floats are {step:.2g} apart: vertices are rounded to "
+        f"{share} of the mean edge. Compute the parts one by one."
     ]
+
+
+def reach_of(points: np.ndarray) -> float:
+    """The distance from the origin along an axis that few of (n, 3) positions exceed."""
+    reaches = np.sort(np.abs(points[:: len(points) // 64 + 1]).max(axis=1))
+    return float(reaches[-1 - len(reaches) // 16])
 
 
 def columns_of(positions: np.ndarray) -> np.ndarray:
