@@ -129,7 +129,7 @@ def bake_objects(
                     # The own normals of a low-poly object are not measured.
                     fitted = replace(settings, options=replace(settings.options, normals="fitted"))
                     read = source.read(target, fitted if onto else settings)
-                    arrays, reading, notes = read.arrays, read.reading, read.notes
+                    arrays, notes = read.arrays, read.sentences
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
                         highs = onto[target]
@@ -143,11 +143,11 @@ def bake_objects(
                         )
                 computed.look = look
             else:
-                arrays, reading, computed = known.arrays, known.reading, known.results
+                read, arrays, computed = known.reading, known.arrays, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
             notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
             matrix = world_matrix(target)
-            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, reading))
+            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, read))
             of_mesh.setdefault(source.mesh_name(target), baked[-1])
     return baked
 

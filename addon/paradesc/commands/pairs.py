@@ -71,8 +71,7 @@ def with_highs(
             yield by_name(lows, there)
             return
         (low,) = lows
-        names = arguments.from_objects
-        found = source.named(there, names) if names else [item for item in there if source.has_faces(item)]
+        found = source.named(there, arguments.from_objects)
         if low in found:
             raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
         yield {low: found}
@@ -114,7 +113,7 @@ def run_onto(
     for high in highs:
         found = source.read_high(high, settings)
         # The detailed object itself gets no results, so notes about where they would go are left out.
-        notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
+        notes += [note for note in found.sentences if note not in found.source_notes]
         parts.append(part_of(high, found))
     size, cage = settings.options.texels, arguments.cage or 0.0
     results = transfer.run(part_of(low, read), parts, settings, size, cage, progress, tiles)

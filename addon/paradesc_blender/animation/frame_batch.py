@@ -93,7 +93,7 @@ class FrameBatch(Pieces):
             raise InputError(piece.failure)
         maps = surface_maps.MapChoice(material=self.material_maps)
         source = frames.source_of(target, frame_source(scene.paradesc_animation))
-        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
+        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps)
         self.baker = baker = frames.FrameBaker(scene, target, request)
         piece.cache_key = baker.key
         with baker, nullcontext() if self.beside else baker.evaluating():

@@ -19,7 +19,7 @@ from paradesc.core.stream import Stream
 from paradesc.files.frame_baking import with_fixed_radii
 
 from ..bake import sculpt_mask
-from ..scene import carrying, delivery, mesh_io, ownership, record, source_meshes, surface_maps
+from ..scene import carrying, delivery, mesh_io, ownership, record, surface_maps
 from ..scene.arrays import set_values
 from ..settings import looks, properties
 from . import painting, surfaces
@@ -342,8 +342,7 @@ class Session:
 
     def own(self) -> Results:
         """The results at the original vertices."""
-        reading = source_meshes.Reading(self.done.arrays, "evaluated", self.done.vertices)
-        return delivery.on_original(self.results, reading)
+        return delivery.on_original(self.results, self.done.vertices)
 
     def values(self, results: Results, extras: list[str]) -> painting.Values:
         """The results as painting writes them, with the extras of these names."""

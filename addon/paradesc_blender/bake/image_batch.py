@@ -12,6 +12,7 @@ from paradesc.bridge import InputError
 from paradesc.core import job, transfer
 from paradesc.core.color_maps import MASKS
 from paradesc.files import file_names, image_files, marks
+from paradesc.files.reading import ReadRequest
 from paradesc.files.results import file_fault, write_whole
 
 from ..scene import image_nodes, image_results, images, pairs, surface_maps, targets, uv_maps
@@ -66,7 +67,7 @@ class ImageBatch(Pieces):
         """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=False)
+        self.request = ReadRequest(group.shape_key, maps, source, placing=False)
         self.choice = image_files.Choice(
             group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
         )

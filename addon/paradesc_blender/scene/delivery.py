@@ -8,32 +8,33 @@ import numpy as np
 
 from paradesc.bridge import MeshArrays
 from paradesc.core.job import Results
+from paradesc.files.reading import Read
 
-from . import carrying, mesh_io, modes, ownership, record, source_meshes
+from . import carrying, mesh_io, modes, ownership, record
 from .arrays import set_values
 from .unwrap import fill
 
 COPY_SUFFIX = "_paradesc"
 
 
-def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+def deliver(target: bpy.types.Object, results: Results, read: Read) -> list[str]:
     """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them.
 
     Those of a generated mesh are carried to it. The object's own vertices get their values, or the nearest ones.
     """
-    if not reading.generated:
+    if read.own and read.vertices is None:
         return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
-    arrays, is_lost = reading.arrays, reading.vertices is None
+    arrays, vertices, is_lost = read.arrays, read.vertices, read.vertices is None
     with modes.object_mode(target):
         if is_lost:
-            reading = replace(reading, vertices=nearest(target.data, arrays))
-        own, triangles = on_original(results, reading), arrays.triangle_vertices
+            vertices = nearest(target.data, arrays)
+        own, triangles = on_original(results, vertices), arrays.triangle_vertices
         mesh_io.check_count(target.data, own)
         at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
         drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
         mesh_io.write_at(target.data, own, at, drawn)
-        mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
+        mesh = carrier_mesh(target, arrays, is_lost, read.earlier)
         mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
         carrying.carry(target, mesh, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
         return mesh_io.moved_notes(at)
@@ -56,11 +57,10 @@ def carrier_mesh(
     return mesh
 
 
-def on_original(results: Results, reading: source_meshes.Reading) -> Results:
-    """The results at the object's own vertices."""
-    if reading.vertices is None:
+def on_original(results: Results, at: np.ndarray | None) -> Results:
+    """The results at the object's own vertices: (original_count,) int64, or None if they are there already."""
+    if at is None:
         return results
-    at = reading.vertices
     corners = results.corners
     if corners is not None:
         painted = corners.painted[at]

@@ -5,6 +5,7 @@ import numpy as np
 from mathutils import Vector
 
 from paradesc.core import pair_names, transfer
+from paradesc.files.reading import Read
 
 from . import targets
 
@@ -53,6 +54,6 @@ def by_name(objects: list[bpy.types.Object]) -> Pairs:
     return {named[low]: [named[high] for high in highs] for low, highs in found.items()}
 
 
-def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
+def part_of(target: bpy.types.Object, read: Read) -> transfer.Part:
     """The object as transfer takes it: as it was read, with its place in the world."""
     return transfer.Part(target.name, read.arrays, read.measured, np.array(target.matrix_world))

@@ -178,11 +178,9 @@ def mesh_objects() -> list[bpy.types.Object]:
     return [item for item in bpy.context.scene.objects if item.type == "MESH"]
 
 
-def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
-    """The mesh object of this name. Without one: the active one if preferred, else that with the most vertices."""
+def choose_object(prefer_active: bool) -> bpy.types.Object:
+    """The active mesh object if it is preferred, else that with the most vertices."""
     meshes = mesh_objects()
-    if name is not None:
-        return find_object(name)
     active = bpy.context.view_layer.objects.active
     if prefer_active and active is not None and active.type == "MESH":
         return active
@@ -190,25 +188,6 @@ def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
         raise InputError("There is no mesh object in the scene.")
     shapes = bone_shapes()
     return max([item for item in meshes if item not in shapes] or meshes, key=lambda item: len(item.data.vertices))
-
-
-def find_object(name: str) -> bpy.types.Object:
-    """The mesh object of that name."""
-    found = bpy.context.scene.objects.get(name)
-    if found is not None and found.type != "MESH":
-        raise InputError(f'The object "{name}" is not a mesh.')
-    return found or find_among(mesh_objects(), name)
-
-
-def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = False) -> bpy.types.Object:
-    """The object of this name among these. numbered: a number that Blender appended to the name counts as well."""
-    found = [item for item in objects if item.name == name]
-    if not found and numbered:
-        found = [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
-    if not found:
-        known = ", ".join(f'"{item.name}"' for item in objects[:8]) or "none"
-        raise InputError(f'There is no object "{name}"; mesh objects: {known}.')
-    return found[0]
 
 
 def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Object], list[str]]:
