@@ -10,10 +10,11 @@ from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
 from ..core.face_centers import DOMAINS
 from ..files import preset_rules, results
+from ..files.reading import world_matrix
 from . import common, images, options, pairs
 from .look_options import add_look_options, look_of
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
-from .sources import Source, Target, scene_source, source_of, world_matrix
+from .sources import Source, Target, scene_source, source_of
 
 HELP = "compute descriptors and write them to files"
 

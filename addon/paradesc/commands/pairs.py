@@ -7,8 +7,9 @@ from pathlib import Path
 
 from ..bridge import InputError
 from ..core import job, pair_names, transfer
+from ..files.reading import Read, part_of
 from .common import Parser, UsageError
-from .sources import Opened, Read, Source, Target, world_matrix
+from .sources import Opened, Source, Target
 
 
 def add_pair_options(parser: Parser) -> None:
@@ -89,11 +90,6 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 
 
 # ---- Baking
-
-
-def part_of(target: Target, read: Read) -> transfer.Part:
-    """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
 
 
 def run_onto(

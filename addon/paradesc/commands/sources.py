@@ -171,11 +171,6 @@ def find(there: Iterable[Target], name: str, numbered: bool = False) -> Target:
     return found[0]
 
 
-def world_matrix(target: Target) -> np.ndarray:
-    """(4, 4) float64 matrix from object space to world space."""
-    return np.array(target.matrix_world, np.float64)
-
-
 # ---- Who reads a file
 
 

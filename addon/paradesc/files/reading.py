@@ -1,11 +1,12 @@
 """Holds what is to be read of one mesh, and what was read; reads the meshes of files. Never imports bpy."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from ..bridge import InputError, MeshArrays, SurfaceMaps
-from ..core import job, source_kinds, spaces, tangents, uv_faults
+from ..core import job, source_kinds, spaces, tangents, transfer, uv_faults
 from ..core.polygons import PolygonMesh
 from . import map_images
 from .map_images import MapChoice
@@ -43,6 +44,16 @@ class Read:
     def sentences(self) -> list[str]:
         """All notes and warnings."""
         return [*self.notes, *self.warnings, *self.map_notes]
+
+
+def part_of(target: Any, read: Read) -> transfer.Part:
+    """An object, or a mesh of a file, as transfer takes it: as it was read, with its place in the world."""
+    return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
+
+
+def world_matrix(target: Any) -> np.ndarray:
+    """(4, 4) float64 matrix from object space to world space."""
+    return np.array(target.matrix_world, np.float64)
 
 
 def read_mesh(mesh: PolygonMesh, settings: job.Settings, request: ReadRequest) -> Read:
