@@ -17,27 +17,32 @@ from .unwrap import fill
 COPY_SUFFIX = "_paradesc"
 
 
-def deliver(target: bpy.types.Object, results: Results, read: Read) -> list[str]:
+def deliver(target: bpy.types.Object, results: Results, read: Read | None = None) -> list[str]:
     """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them.
 
     Those of a generated mesh are carried to it. The object's own vertices get their values, or the nearest ones.
     """
-    if read.own and read.vertices is None:
-        return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
-    arrays, vertices, is_lost = read.arrays, read.vertices, read.vertices is None
+    mesh, is_generated = target.data, read is not None and (not read.own or read.vertices is not None)
     with modes.object_mode(target):
-        if is_lost:
-            vertices = nearest(target.data, arrays)
-        own, triangles = on_original(results, vertices), arrays.triangle_vertices
-        mesh_io.check_count(target.data, own)
-        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
-        drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
-        mesh_io.write_at(target.data, own, at, drawn)
-        mesh = carrier_mesh(target, arrays, is_lost, read.earlier)
-        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-        carrying.carry(target, mesh, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
-        return mesh_io.moved_notes(at)
+        own, surface = results, None
+        if is_generated:
+            arrays, is_lost = read.arrays, read.vertices is None
+            own = on_original(results, nearest(mesh, arrays) if is_lost else read.vertices)
+            triangles = arrays.triangle_vertices
+            surface = arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES]
+        mesh_io.check_count(mesh, own)
+        extras = mesh_io.extras_on(mesh, results)
+        at = mesh_io.places(mesh, results.values, extras)
+        drawn = mesh_io.drawing(results, *(surface or mesh_io.surface_of(mesh)))
+        mesh_io.write_at(mesh, own, at, drawn)
+        if is_generated:
+            carrier = carrier_mesh(target, arrays, is_lost, read.earlier)
+            mesh_io.write_at(carrier, replace(results, unwrapped=None), at, drawn)
+            carrying.carry(target, carrier, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
+        else:
+            carrying.release(mesh, mesh_io.attribute_names(results.values, extras, at))
+    return mesh_io.moved_notes(at)
 
 
 def carrier_mesh(

@@ -10,7 +10,7 @@ from paradesc.core import color_maps, uv_faults
 from paradesc.core.advice import double_areas
 from paradesc.core.job import UNDEFINED_MASK, Results, registry_name
 
-from . import carrying, modes, ownership, record, unwrap
+from . import ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
 # The range of each descriptor's colors, and the part of the record about their making, by name.
@@ -124,15 +124,20 @@ def read_edges(mesh: bpy.types.Mesh) -> np.ndarray:
 # ---- Writing
 
 
-def check_writable(target: bpy.types.Object) -> None:
-    """Raises if the object's mesh would lose the results when the file is loaded again."""
+def unwritable(target: bpy.types.Object) -> str:
+    """The reason why the object's mesh would lose the results when the file is loaded again, or ""."""
     mesh = target.data
     if mesh.library is not None or target.library is not None:
-        raise InputError(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
+        return f'The mesh "{mesh.name}" is linked from another file; make it local first.'
     if mesh.override_library is not None:
-        raise InputError(
-            f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
-        )
+        return f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
+    return ""
+
+
+def check_writable(target: bpy.types.Object) -> None:
+    """Raises if the object's mesh would lose the results."""
+    if unwritable(target):
+        raise InputError(unwritable(target))
 
 
 def wanted_kind(name: str) -> tuple[str, str]:
@@ -165,18 +170,6 @@ def moved_notes(at: dict[str, str]) -> list[str]:
         for name, place in at.items()
         if name != place
     ]
-
-
-def write_results(target: bpy.types.Object, results: Results) -> list[str]:
-    """Writes the results to the object's mesh; returns notes about moved attributes. A failure changes nothing."""
-    check_writable(target)
-    with modes.object_mode(target):
-        check_count(target.data, results)
-        extras = extras_on(target.data, results)
-        at = places(target.data, results.values, extras)
-        write_at(target.data, results, at, drawing(results, *surface_of(target.data)))
-        carrying.release(target.data, attribute_names(results.values, extras, at))
-    return moved_notes(at)
 
 
 def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> Drawing:

@@ -6,7 +6,7 @@ carries values to that mesh, changes no position and no face, so it does not cou
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
 import bpy
@@ -130,39 +130,29 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
 @contextmanager
 def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
     """Temporarily hides modifiers that change vertices or faces, and always shows them again; yields their names."""
-    generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
-    hidden: list[bpy.types.Modifier] = []
-    silenced: list[bpy.types.FCurve] = []
-    try:
-        hide(generating, hidden, silenced)
+    with ExitStack() as ending:
+        hidden = hide([modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING], ending)
         nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
         if nodes:
             with evaluated_mesh(target) as mesh:
                 changed = not same_vertices(mesh, target.data)
-            if changed:
-                hide(nodes, hidden, silenced)
-        yield [modifier.name for modifier in hidden]
-    finally:
-        for modifier in hidden:
-            modifier.show_viewport = True
-        for curve in silenced:
-            curve.mute = False
-        if hidden:
-            bpy.context.view_layer.update()
+            hidden += hide(nodes, ending) if changed else []
+        yield hidden
 
 
-def hide(
-    modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier], silenced: list[bpy.types.FCurve]
-) -> None:
-    """Hides the modifiers and adds them to hidden; mutes what would show them again, and adds that to silenced."""
+def hide(modifiers: list[bpy.types.Modifier], ending: ExitStack) -> list[str]:
+    """Hides the modifiers, mutes what would show them again, and returns their names; the end undoes all of it."""
+    if modifiers:
+        ending.callback(bpy.context.view_layer.update)
     for modifier in modifiers:
         for curve in showing(modifier):
             curve.mute = True
-            silenced.append(curve)
+            ending.callback(setattr, curve, "mute", False)
         modifier.show_viewport = False
-        hidden.append(modifier)
+        ending.callback(setattr, modifier, "show_viewport", True)
     if modifiers:
         bpy.context.view_layer.update()
+    return [modifier.name for modifier in modifiers]
 
 
 def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
@@ -187,9 +177,16 @@ def curves_of(animation: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
             yield from bag.fcurves
 
 
-def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers that are enabled in the viewport, without ours."""
-    return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
+def shown_modifiers(target: bpy.types.Object, rendering: bool = False) -> list[bpy.types.Modifier]:
+    """The modifiers that are enabled in the viewport, or in renders, without the one that carries values."""
+    shown = "show_render" if rendering else "show_viewport"
+    return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
+
+
+def shape_key(target: bpy.types.Object, active: bool) -> bpy.types.ShapeKey | None:
+    """The active shape key, or the basis; None without shape keys."""
+    keys = target.data.shape_keys
+    return keys and ((active and target.active_shape_key) or keys.reference_key)
 
 
 def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:

@@ -99,17 +99,8 @@ def obstacle(context: bpy.types.Context) -> str:
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
-    refused = [unwritable(target) for target in chosen(context)]
+    refused = [mesh_io.unwritable(target) for target in chosen(context)]
     return refused[0] if all(refused) else ""
-
-
-def unwritable(target: bpy.types.Object) -> str:
-    """The reason why the object's mesh would not keep written values, or ""."""
-    try:
-        mesh_io.check_writable(target)
-    except ParadescError as error:
-        return error.sentence
-    return ""
 
 
 # ---- Reading
@@ -152,16 +143,14 @@ def shows_shape_key(target: bpy.types.Object) -> bool:
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
     """Takes the positions of the chosen shape key; returns a note if another shape is shown."""
-    keys = target.data.shape_keys
-    if keys is None:
+    key = source_meshes.shape_key(target, active=shape == "active")
+    if key is None:
         return []
-    active = target.active_shape_key
-    key = active if shape == "active" and active is not None else keys.reference_key
     if len(key.data) != len(arrays.positions):
         sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
         raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
     arrays.positions = read_array(key.data, "co", np.float32, 3)
-    if key != keys.reference_key:
+    if key != target.data.shape_keys.reference_key:
         return [f'The shape key "{key.name}" was measured, at its full value.']
     if shows_shape_key(target):
         return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']
