@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from paradesc.bridge import InputError
+from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.commands.common import BLENDER, UsageError
 from paradesc.commands.main import main
 from paradesc.commands.sources import Opened, Source, Subject, find
@@ -49,7 +49,8 @@ class SceneSource(Source):
 
     # ---- Objects
 
-    def everything(self) -> list[bpy.types.Object]:
+    @property
+    def meshes(self) -> list[bpy.types.Object]:
         """The scene's mesh objects."""
         return scene_io.mesh_objects()
 
@@ -59,7 +60,7 @@ class SceneSource(Source):
 
     def described(self) -> list[bpy.types.Object]:
         """The objects that --object names, or all but shapes of bones."""
-        return self.asked() or [item for item in self.everything() if item not in scene_io.bone_shapes()]
+        return self.asked() or [item for item in self.meshes if item not in scene_io.bone_shapes()]
 
     def one(self, name: str | None = None) -> bpy.types.Object:
         """The object of this name, the active one of a .blend, or the largest."""
@@ -69,14 +70,14 @@ class SceneSource(Source):
         found = bpy.context.scene.objects.get(name)
         if found is not None and found.type != "MESH":
             raise InputError(f'The object "{name}" is not a mesh.')
-        return found or find(self.everything(), name)
+        return found or find(self.meshes, name)
 
     @contextmanager
     def detailed(self) -> Iterator[list[bpy.types.Object]]:
         """The scene's objects, or those of --from-file, which are in the scene until the end."""
         other, before = self.arguments.from_file, set(bpy.data.objects)
         try:
-            yield self.everything() if other is None else scene_io.add_objects(other, self.arguments.verbose)
+            yield self.meshes if other is None else scene_io.add_objects(other, self.arguments.verbose)
         finally:  # data that only they use is then not saved
             for item in set(bpy.data.objects) - before:
                 bpy.data.objects.remove(item)
@@ -134,8 +135,13 @@ class SceneSource(Source):
             one.notes += targets.shared_note(sharing, one.results.settings.space, one.reading.source)
 
     def save(self, path: Path) -> None:
-        """Saves the scene as a .blend."""
-        scene_io.save_blend(path, self.arguments.verbose)
+        """Saves the open scene as a .blend, first to a temporary file; the open scene keeps its own path."""
+        try:
+            with quiet(self.arguments.verbose):
+                bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)
+        except RuntimeError as error:
+            sentence = f'Blender cannot write "{path}": {scene_io.reason(error)}.'
+            raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
 
     # ---- Frames
 

@@ -11,6 +11,7 @@ import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
+from paradesc.files.reading import on_original  # noqa: E402
 from paradesc_blender.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
 from paradesc_blender.scene.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
@@ -157,7 +158,7 @@ def test_corners_come_along_to_the_original():
     target = with_modifiers(("SUBSURF", {"levels": 1}))
     reading = source_meshes.read(target, "evaluated")
     settings = job.Settings(("harris",), QUICK.options, "software")
-    found = delivery.on_original(job.run(reading.arrays, settings), reading.vertices)
+    found = on_original(job.run(reading.arrays, settings), reading.vertices)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
 
@@ -175,7 +176,7 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
     assert (reading.vertices != np.arange(len(reading.vertices))).mean() > 0.9
     settings = job.Settings(("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256), "software")
     expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
-    found = delivery.on_original(results, reading.vertices)
+    found = on_original(results, reading.vertices)
     near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
     assert np.array_equal(expected.mask & abi.MASK_BOUNDARY != 0, near_rim)
     assert np.array_equal(found.mask, expected.mask)

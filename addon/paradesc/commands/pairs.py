@@ -56,7 +56,7 @@ def picked(source: Source, arguments: argparse.Namespace) -> Opened:
     """The objects to work on; with --pairs the low-poly ones by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
         return source.picked()
-    lows = [item for item in source.everything() if pair_names.LOW.fullmatch(item.name)]
+    lows = [item for item in source.meshes if pair_names.LOW.fullmatch(item.name)]
     if not lows:
         raise InputError("No mesh object has a name that ends in _low.")
     return Opened(sorted(lows, key=lambda item: item.name))

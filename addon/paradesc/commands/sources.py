@@ -95,10 +95,6 @@ class FileSource(Source):
         self.meshes = mesh_files.read(self.arguments.input)
         return []
 
-    def everything(self) -> list[PolygonMesh]:
-        """All meshes of the file."""
-        return self.meshes
-
     def all(self) -> Opened:
         """The meshes that --all asks for."""
         return Opened(self.meshes)

@@ -16,7 +16,7 @@ from ..core.digests import digest
 from ..core.stream import Stream
 from . import cache
 from .map_images import MapChoice
-from .reading import Read
+from .reading import Read, on_original
 
 CPU_METHOD = METHODS["cpu"]
 
@@ -64,8 +64,9 @@ class Baker(Closing):
         self.normals = settings.options.normals == "mesh"
         self.notes: list[str] = []
         self._rest: job.Results | None = None
-        self.open(settings)
+        self.stream: Stream | None = None
         try:
+            self.open(settings)
             cache.sweep(request.folder)
             settled = self.settled()
             if settled != settings.backend:
@@ -74,7 +75,7 @@ class Baker(Closing):
             self.key = self.make_key(self.method, self.base)
             self.notes += job.unused_notes(self.stream.backend, settings.options)
         except BaseException:
-            self.stream.close()
+            self.close()
             raise
 
     def read_base(self, needs_uvs: bool) -> MeshArrays:
@@ -89,21 +90,13 @@ class Baker(Closing):
         """Adds the notes that are not among those of this mesh yet."""
         self.notes += [note for note in notes if note not in self.notes]
 
-    def on_base(self, results: job.Results, _read: Read) -> job.Results:
-        """The results at the vertices for which frames store values."""
-        return results
-
     def open(self, settings: job.Settings) -> None:
         """Reads the base mesh as these settings need it, and opens their device."""
         self.needs_uvs = job.needs_uvs(settings)
         self.base = self.read_base(self.needs_uvs)
         self.stream = Stream(self.base, settings)
-        try:
-            self.stream.settings = with_fixed_radii(self.stream, self.base, settings)
-            self.method = METHODS[self.stream.backend]
-        except BaseException:
-            self.stream.close()
-            raise
+        self.stream.settings = with_fixed_radii(self.stream, self.base, settings)
+        self.method = METHODS[self.stream.backend]
 
     def settled(self) -> str:
         """The backend for these frames. Under auto it is one with the method of the frames that exist already."""
@@ -158,7 +151,7 @@ class Baker(Closing):
 
     def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
         """The content of a frame's file."""
-        found = self.on_base(results, task.read)
+        found = on_original(results, task.read.vertices)  # where those are still there
         values, radius = {}, {}
         for asked, name in zip(self.request.settings.value_names(), found.settings.value_names(), strict=True):
             values[asked] = found.values[name]
@@ -182,7 +175,8 @@ class Baker(Closing):
 
     def close(self) -> None:
         """Frees the device."""
-        self.stream.close()
+        if self.stream is not None:
+            self.stream.close()
 
 
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:

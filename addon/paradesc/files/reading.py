@@ -46,6 +46,29 @@ class Read:
         return [*self.notes, *self.warnings, *self.map_notes]
 
 
+def on_original(results: job.Results, at: np.ndarray | None) -> job.Results:
+    """The results at the object's own vertices: (original_count,) int64, or None if they are there already."""
+    if at is None:
+        return results
+    corners = results.corners
+    if corners is not None:
+        painted = corners.painted[at]
+        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
+        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
+        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
+        corners = replace(corners, vertices=own, painted=painted)
+    return replace(
+        results,
+        values={name: values[at] for name, values in results.values.items()},
+        coverage=results.coverage[at],
+        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
+        mask=results.mask[at],
+        near_seam=None if results.near_seam is None else results.near_seam[at],
+        unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
+        corners=corners,
+    )
+
+
 def part_of(target: Any, read: Read) -> transfer.Part:
     """An object, or a mesh of a file, as transfer takes it: as it was read, with its place in the world."""
     return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))

@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 
 from paradesc.bridge import InputError, MeshArrays, ParadescError
-from paradesc.core import job, source_kinds
+from paradesc.core import source_kinds
 from paradesc.core.digests import digest
 from paradesc.files.frame_baking import Baker, FrameRequest, Task, at_frame
 from paradesc.files.reading import Read
 
-from ..scene import delivery, mesh_io, source_meshes, surface_maps
+from ..scene import mesh_io, source_meshes, surface_maps
 from . import pausing
 
 OWN_VERTICES = (
@@ -50,10 +50,6 @@ class FrameBaker(Baker):
         base = mesh_io.read_object(self.target, self.normals, needs_uvs)
         self.add_maps(base)
         return base
-
-    def on_base(self, results: job.Results, read: Read) -> job.Results:
-        """The results at the object's own vertices, where those are still there."""
-        return delivery.on_original(results, read.vertices)
 
     def add_maps(self, arrays: MeshArrays) -> None:
         """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""

@@ -17,6 +17,7 @@ from paradesc.core.job import Results, Settings, registry_row
 from paradesc.core.latest import Latest, Outcome, is_cancelled
 from paradesc.core.stream import Stream
 from paradesc.files.frame_baking import with_fixed_radii
+from paradesc.files.reading import on_original
 
 from ..bake import sculpt_mask
 from ..scene import carrying, delivery, mesh_io, ownership, record, surface_maps
@@ -342,7 +343,7 @@ class Session:
 
     def own(self) -> Results:
         """The results at the original vertices."""
-        return delivery.on_original(self.results, self.done.vertices)
+        return on_original(self.results, self.done.vertices)
 
     def values(self, results: Results, extras: list[str]) -> painting.Values:
         """The results as painting writes them, with the extras of these names."""

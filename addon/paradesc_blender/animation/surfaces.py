@@ -85,7 +85,7 @@ def own_positions(target: bpy.types.Object) -> np.ndarray:
 def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> np.ndarray:
     """(vertex_count, 3) float32 of the original vertices in object space after all modifiers."""
     count, found = len(target.data.vertices), len(evaluated.data.vertices)
-    if not (count == found and not cuts(target, rendering)) and not appends(target, count, found, rendering):
+    if cuts(target, rendering) or (count != found and not appends(target, count, found, rendering)):
         raise lost(target)
     return mesh_io.read_positions(evaluated.data)[:count]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from paradesc.bridge import MeshArrays
 from paradesc.core.job import Results
-from paradesc.files.reading import Read
+from paradesc.files.reading import Read, on_original
 
 from . import carrying, mesh_io, modes, ownership, record
 from .arrays import set_values
@@ -60,29 +60,6 @@ def carrier_mesh(
         set_values(mesh.attributes[name], values)
     record.take_over(target.data, mesh)
     return mesh
-
-
-def on_original(results: Results, at: np.ndarray | None) -> Results:
-    """The results at the object's own vertices: (original_count,) int64, or None if they are there already."""
-    if at is None:
-        return results
-    corners = results.corners
-    if corners is not None:
-        painted = corners.painted[at]
-        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
-        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
-        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
-        corners = replace(corners, vertices=own, painted=painted)
-    return replace(
-        results,
-        values={name: values[at] for name, values in results.values.items()},
-        coverage=results.coverage[at],
-        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
-        mask=results.mask[at],
-        near_seam=None if results.near_seam is None else results.near_seam[at],
-        unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
-        corners=corners,
-    )
 
 
 def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:
