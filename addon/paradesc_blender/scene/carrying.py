@@ -129,11 +129,9 @@ def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
     """Makes our modifier with this group the object's last one, visible, and the only one of ours."""
     for modifier in [item for item in target.modifiers if is_ours(item)]:
         if modifier == target.modifiers[-1]:
-            former = modifier.node_group
             modifier.node_group, modifier.show_viewport, modifier.show_render = group, True, True
-            remove_unused(former)
             return
-        remove_modifier(target, modifier, keep=group)
+        target.modifiers.remove(modifier)
     add_modifier(target, group, MODIFIER).show_expanded = False
 
 
@@ -146,7 +144,7 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
         modifier, carried = modifier_of(target), carried_names(target)
         gone = [name for name in carried if name in names]
         if modifier is not None and len(gone) == len(carried):
-            remove_modifier(target, modifier)
+            target.modifiers.remove(modifier)
         elif gone:
             held, group = carrier_of(target), modifier.node_group
             held = held.copy() if own_group(target) is None else held
@@ -177,33 +175,16 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
     return group if group.users == used and carrier is not None and carrier.users == 1 else None
 
 
-def remove_modifier(
-    target: bpy.types.Object, modifier: bpy.types.NodesModifier, keep: bpy.types.NodeTree | None = None
-) -> None:
-    """Removes our modifier, and its group unless it is the one to keep."""
-    group = modifier.node_group
-    target.modifiers.remove(modifier)
-    if group != keep:
-        remove_unused(group)
-
-
 def sweep() -> None:
-    """Removes our groups whose modifiers somebody has deleted, with their carriers."""
+    """Removes our groups that no modifier uses any more, with their carriers unless those are used otherwise."""
     for group in [one for one in bpy.data.node_groups if not one.users and is_own(one)]:
-        remove_unused(group)
-
-
-def remove_unused(group: bpy.types.NodeTree) -> None:
-    """Removes a group that is no longer used, and its carrier if that is not used otherwise."""
-    if group.users:
-        return
-    carrier = held_by(group)
-    bpy.data.node_groups.remove(group)
-    if carrier is not None and carrier.users == 0:
-        mesh = carrier.data
-        bpy.data.objects.remove(carrier)
-        if mesh.users == 0:
-            bpy.data.meshes.remove(mesh)
+        carrier = held_by(group)
+        bpy.data.node_groups.remove(group)
+        if carrier is not None and carrier.users == 0:
+            mesh = carrier.data
+            bpy.data.objects.remove(carrier)
+            if mesh.users == 0:
+                bpy.data.meshes.remove(mesh)
 
 
 # ---- Nodes

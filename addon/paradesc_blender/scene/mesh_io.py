@@ -13,8 +13,8 @@ from paradesc.core.job import UNDEFINED_MASK, Results, registry_name
 from . import ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
-# The range of each descriptor's colors, and the part of the record about their making, by name.
-Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
+# The range of each descriptor's colors, and the parts of the record about their making, by name.
+Drawing = tuple[dict[str, color_maps.ValueRange], dict[str, dict[str, object]]]
 
 
 def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
@@ -173,15 +173,14 @@ def moved_notes(at: dict[str, str]) -> list[str]:
 
 
 def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> Drawing:
-    """The range of each value's colors and its part of the record, from the surface that surface_of() gives."""
-    found = {}
-    for name, values in results.values.items():
-        shown = results.shown(name)
-        row = record.drawing_of(shown, results, name)
+    """The ranges of all values' colors and their parts of the record, from the surface that surface_of() gives."""
+    ranges, told = {name: results.shown(name) for name in results.values}, {}
+    for name, shown in ranges.items():
+        told[name] = record.drawing_of(shown, results, name)
         if results.look.is_automatic(shown.diverging):  # recoloring goes back to this range
-            row["automatic"] = [shown.minimum, shown.maximum]
-        found[name] = (shown, row | extremes(positions, triangles, values, shown))
-    return found
+            told[name]["automatic"] = [shown.minimum, shown.maximum]
+        told[name] |= extremes(positions, triangles, results.values[name], shown)
+    return ranges, told
 
 
 def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
@@ -198,12 +197,12 @@ def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: 
     layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
     for name, values in (results.values | extras).items():  # all exist: creating one moves the others in memory
         set_values(mesh.attributes[at[name]], values)
-    for name, (shown, _) in drawn.items():
+    ranges, told = drawn
+    for name, shown in ranges.items():
         write_colors(mesh, at[name], results.values[name], shown)
-    show(mesh, at[most_telling({name: row for name, (_, row) in drawn.items()})])
-    ranges = {at[name]: shown for name, (shown, _) in drawn.items()}
-    told = {at[name]: row for name, (_, row) in drawn.items()}
-    record.write(mesh, record.facts_of(results), ranges, told, names, layout)
+    show(mesh, at[most_telling(told)])
+    placed = ({at[name]: row for name, row in rows.items()} for rows in drawn)
+    record.write(mesh, record.facts_of(results), *placed, names, layout)
     ownership.leave(mesh, names)
     mesh.update()
 

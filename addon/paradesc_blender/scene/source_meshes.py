@@ -130,8 +130,10 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
 @contextmanager
 def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
     """Temporarily hides modifiers that change vertices or faces, and always shows them again; yields their names."""
+    hidden: list[str] = []
     with ExitStack() as ending:
-        hidden = hide([modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING], ending)
+        ending.callback(lambda: hidden and bpy.context.view_layer.update())
+        hidden += hide([modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING], ending)
         nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
         if nodes:
             with evaluated_mesh(target) as mesh:
@@ -142,8 +144,6 @@ def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
 
 def hide(modifiers: list[bpy.types.Modifier], ending: ExitStack) -> list[str]:
     """Hides the modifiers, mutes what would show them again, and returns their names; the end undoes all of it."""
-    if modifiers:
-        ending.callback(bpy.context.view_layer.update)
     for modifier in modifiers:
         for curve in showing(modifier):
             curve.mute = True
