@@ -13,8 +13,9 @@ import numpy as np
 from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.job import Settings, needs_uvs
+from paradesc.files.reading import Read
 
-from ..scene import arrays, delivery, mesh_io, sculpt_masks, source_meshes
+from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
 from ..settings.snapshot import identity
 
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
@@ -30,12 +31,13 @@ class Surface:
     positions: np.ndarray  # (vertex_count, 3) float32
     posed: bpy.types.Mesh  # the same mesh at these positions, whose normals are used where the settings ask for them
 
-    def read(self, target: bpy.types.Object, settings: Settings) -> MeshArrays:
+    def read(self, target: bpy.types.Object, settings: Settings) -> Read:
         """The surface as arrays. The object's own mesh is read at rest."""
         wanted = (settings.options.normals == "mesh", needs_uvs(settings))
-        if self.generated:
-            return mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
-        return mesh_io.read_object(target, *wanted)
+        if not self.generated:
+            return Read(mesh_io.read_object(target, *wanted))
+        made = mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
+        return Read(made, earlier=carrying.carried_values(target, self.mesh))
 
     def normals(self, settings: Settings) -> np.ndarray | None:
         """(corner_count, 3) float32 where the settings ask for them."""
