@@ -3,7 +3,7 @@
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import import_module
@@ -156,7 +156,7 @@ def chosen(meshes: list[PolygonMesh], name: str | None) -> PolygonMesh:
     return max(meshes, key=lambda mesh: len(mesh.arrays.positions)) if name is None else find(meshes, name)
 
 
-def find(there: Iterable[Target], name: str, numbered: bool = False) -> Target:
+def find(there: list[Target], name: str, numbered: bool = False) -> Target:
     """The mesh object of this name. numbered: a number that Blender appended to the name counts as well."""
     found = [item for item in there if item.name == name]
     if not found and numbered:
