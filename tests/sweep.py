@@ -169,7 +169,7 @@ def sweep_file(path: Path, radii: tuple[float, ...], backends: tuple[str, ...], 
     """Makes all bakes of the largest mesh of a file; gives one row if it cannot be used, which is no finding."""
     try:
         scene_io.open_scene(path)
-        arrays = mesh_io.read_object(scene_io.choose_object(None, prefer_active=False), corner_normals=False)
+        arrays = mesh_io.read_object(scene_io.choose_object(prefer_active=False), corner_normals=False)
         yield from bakes(path.stem, arrays, radii, backends, **options)
     except ParadescError as error:
         row = Row(path.stem, 0, 0.0, "", refused=error.sentence)

@@ -11,15 +11,16 @@ from pathlib import Path
 
 import bpy
 
-from paradesc.commands.common import BLENDER, UsageError, saves_scene
-from paradesc.commands.file_reading import map_sources
+from paradesc.bridge import InputError, ParadescError, abi
+from paradesc.commands.common import BLENDER, UsageError
 from paradesc.commands.main import main
-from paradesc.commands.sources import Opened, Subject
+from paradesc.commands.sources import Opened, Source, Subject, find
 from paradesc.core import job
 from paradesc.core.color_maps import Look
 from paradesc.core.standard_streams import quiet
 from paradesc.files import cache
 from paradesc.files.frame_baking import FrameRequest
+from paradesc.files.reading import Read
 from paradesc.files.results import Baked
 
 from .animation import frames
@@ -28,22 +29,19 @@ from .settings import animation, hooks, looks, preset_folders, properties
 from .settings.looks import scene_look
 
 
-class SceneSource:
+class SceneSource(Source):
     """The open scene, or the input opened as one."""
 
     unwraps = True
 
     def __init__(self, arguments: argparse.Namespace, is_open: bool) -> None:
-        self.arguments, self.is_open = arguments, is_open
-        self.imported = False  # from a file that is no .blend
+        super().__init__(arguments)
+        self.is_open = is_open
 
     def open(self) -> list[str]:
         """Opens the input, or takes the open scene; returns notes about what Blender imported."""
-        given = self.arguments.input
-        if given is not None:
-            notes = scene_io.open_scene(given, self.arguments.verbose)
-            self.imported = given.suffix.lower() != ".blend"
-            return notes
+        if self.arguments.input is not None:
+            return scene_io.open_scene(self.arguments.input, self.arguments.verbose)
         if not self.is_open:
             raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
         bpy.context.view_layer.update()  # a script may have moved objects
@@ -51,46 +49,44 @@ class SceneSource:
 
     # ---- Objects
 
-    def one(self, name: str | None) -> bpy.types.Object:
-        """The object of this name, the active one of a .blend, or the largest."""
-        return scene_io.choose_object(name, prefer_active=not self.imported)
-
-    def picked(self) -> Opened:
-        """The objects that --all or --object ask for, or the one that stands out."""
-        arguments = self.arguments
-        if arguments.all:
-            return Opened(*scene_io.all_objects(getattr(arguments, "source", None) or arguments.usual_source))
-        if arguments.object:
-            return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)])
-        return Opened([self.one(None)])
-
-    def everything(self) -> list[bpy.types.Object]:
+    @property
+    def meshes(self) -> list[bpy.types.Object]:
         """The scene's mesh objects."""
         return scene_io.mesh_objects()
 
+    def all(self) -> Opened:
+        """The objects that --all asks for."""
+        return Opened(*scene_io.all_objects(getattr(self.arguments, "source", None) or self.arguments.usual_source))
+
     def described(self) -> list[bpy.types.Object]:
         """The objects that --object names, or all but shapes of bones."""
-        named = [scene_io.find_object(name) for name in dict.fromkeys(self.arguments.object)]
-        return named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
+        return self.asked() or [item for item in self.meshes if item not in scene_io.bone_shapes()]
+
+    def one(self, name: str | None = None) -> bpy.types.Object:
+        """The object of this name, the active one of a .blend, or the largest."""
+        if name is None:
+            given = self.arguments.input
+            return scene_io.choose_object(prefer_active=given is None or given.suffix.lower() == ".blend")
+        found = bpy.context.scene.objects.get(name)
+        if found is not None and found.type != "MESH":
+            raise InputError(f'The object "{name}" is not a mesh.')
+        return found or find(self.meshes, name)
 
     @contextmanager
     def detailed(self) -> Iterator[list[bpy.types.Object]]:
         """The scene's objects, or those of --from-file, which are in the scene until the end."""
         other, before = self.arguments.from_file, set(bpy.data.objects)
         try:
-            yield scene_io.mesh_objects() if other is None else scene_io.add_objects(other, self.arguments.verbose)
+            yield self.meshes if other is None else scene_io.add_objects(other, self.arguments.verbose)
         finally:  # data that only they use is then not saved
             for item in set(bpy.data.objects) - before:
                 bpy.data.objects.remove(item)
 
     def named(self, there: list[bpy.types.Object], names: list[str]) -> list[bpy.types.Object]:
-        """The objects of these names; of another file also by the numbers that Blender adds."""
+        """The objects of these names, of another file also by the numbers that Blender adds; without names all."""
         added = self.arguments.from_file is not None
-        return [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(names)]
-
-    def has_faces(self, target: bpy.types.Object) -> bool:
-        """Whether the object's own mesh has faces."""
-        return bool(target.data.polygons)
+        found = [find(there, name, numbered=added) for name in dict.fromkeys(names)]
+        return found or [item for item in there if item.data.polygons]
 
     def mesh_name(self, target: bpy.types.Object) -> str:
         """The name of the object's mesh."""
@@ -119,17 +115,10 @@ class SceneSource:
 
     # ---- Meshes
 
-    def read(self, target: bpy.types.Object, settings: job.Settings) -> targets.Read:
+    def read(self, target: bpy.types.Object, settings: job.Settings) -> Read:
         """Reads the object's mesh, by --source before or after modifiers."""
-        arguments = self.arguments
-        shape = arguments.shape_key or "basis"
-        buffers = getattr(arguments, "dump_buffers", None) is not None
-        maps, remedy = map_sources(arguments), "give --space world"
-        request = targets.ReadRequest(shape, maps, arguments.source, buffers, saves_scene(arguments), remedy)
-        with quiet(arguments.verbose):
-            read = targets.read(target, settings, request)
-        read.notes += [*read.warnings, *read.map_notes]
-        return read
+        with quiet(self.arguments.verbose):
+            return targets.read(target, settings, self.request())
 
     read_high = read  # a detailed object
 
@@ -146,8 +135,13 @@ class SceneSource:
             one.notes += targets.shared_note(sharing, one.results.settings.space, one.reading.source)
 
     def save(self, path: Path) -> None:
-        """Saves the scene as a .blend."""
-        scene_io.save_blend(path, self.arguments.verbose)
+        """Saves the open scene as a .blend, first to a temporary file; the open scene keeps its own path."""
+        try:
+            with quiet(self.arguments.verbose):
+                bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)
+        except RuntimeError as error:
+            sentence = f'Blender cannot write "{path}": {scene_io.reason(error)}.'
+            raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
 
     # ---- Frames
 
@@ -167,9 +161,8 @@ class SceneSource:
     @contextmanager
     def frame_baker(self, target: bpy.types.Object, request: FrameRequest) -> Iterator[frames.FrameBaker]:
         """Yields what bakes the object's frames; the scene is at its own frame again at the end."""
-        maps, scene = map_sources(self.arguments), bpy.context.scene
-        source = frames.source_of(target, request.source)
-        request = replace(request, source=source, maps=maps if maps.any else None)
+        scene, source = bpy.context.scene, frames.source_of(target, request.source)
+        request = replace(request, source=source, maps=self.request().maps)
         with quiet(self.arguments.verbose):
             baker = frames.FrameBaker(scene, target, request)
         with baker, frames.frame_kept(scene), baker.evaluating():
@@ -202,13 +195,9 @@ class SceneSource:
         with scene_settings() as scene:
             return scene_look(scene)
 
-    def presets(self) -> list[preset_folders.Row]:
-        """The presets of Blender's folders."""
-        return preset_folders.every_row()
-
-    def preset(self, name: str) -> preset_folders.Row | None:
-        """The preset of this name in one of Blender's folders."""
-        return preset_folders.row_named(name)
+    # The presets of Blender's folders, and the one of a name.
+    presets = staticmethod(preset_folders.every_row)
+    preset = staticmethod(preset_folders.row_named)
 
 
 @contextmanager

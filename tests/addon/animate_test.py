@@ -179,9 +179,10 @@ def test_frames_whose_vertices_are_lost_hold_those_of_the_evaluated_mesh(tmp_pat
     scene = bpy.context.scene
     request = frames.FrameRequest(SETTINGS, tmp_path, "evaluated")
     with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
-        done = [baker.run(baker.prepare(frame)) for frame in (1, 11)]
+        for frame in (1, 11):
+            baker.run(baker.prepare(frame))
         assert len([note for note in baker.notes if "not played" in note]) == 1
-    first, last = (cache.read_frame(one.path) for one in done)
+    first, last = map(cache.read_frame, cache.frames_in(tmp_path).values())
     assert first.info["vertices"] == last.info["vertices"] == "evaluated"
     assert first.vertex_count < last.vertex_count  # voxels stay as large
 
@@ -212,7 +213,7 @@ def test_fox_runs(tmp_path):
     from paradesc_blender.scene import scene_io
 
     scene_io.open_scene(real_mesh("fox.glb"))
-    target = scene_io.choose_object(None, prefer_active=False)
+    target = scene_io.choose_object(prefer_active=False)
     run = bpy.data.actions["Run"] if "Run" in bpy.data.actions else next(a for a in bpy.data.actions if "Run" in a.name)
     skeleton = target.find_armature()
     skeleton.animation_data.action = run

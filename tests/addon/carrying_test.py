@@ -198,7 +198,7 @@ def test_values_for_the_base_mesh_are_shown_from_then_on():
 @pytest.mark.parametrize("stack", ["bevel", "subdivision"])
 def test_what_is_measured_does_not_depend_on_ours(stack):
     target = box(stack)
-    before = [source_meshes.read(target, source) for source in source_meshes.NAMES]
+    before = [source_meshes.read(target, source) for source in source_kinds.NAMES]
     bake("convexity")
     for former in before:
         reading = source_meshes.read(target, former.source)

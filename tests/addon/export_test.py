@@ -12,7 +12,7 @@ import addon_utils  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc_blender  # noqa: E402
-from paradesc_blender.scene import mesh_io, scene_io  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io, scene_io  # noqa: E402
 from paradesc_blender.show import channels  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
@@ -29,7 +29,7 @@ def baked():
     target = add_sphere(steps=3)
     results = made_up_results(target, NAMES)
     results.values["shape_index"][5] = np.nan
-    mesh_io.write_results(target, results)
+    delivery.deliver(target, results)
     channels.export_copies(target.data)
     channels.corner_colors(target.data, "mean_curvature")
     return target

@@ -9,9 +9,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-from paradesc.core import fitting, job  # noqa: E402
+from paradesc.core import fitting, job, source_kinds  # noqa: E402
 from paradesc_blender.animation import sessions  # noqa: E402
-from paradesc_blender.scene import record, source_meshes, targets  # noqa: E402
+from paradesc_blender.scene import record, targets  # noqa: E402
 from paradesc_blender.settings import presets  # noqa: E402
 from paradesc_blender.ui import panel, report_panel, result  # noqa: E402
 from scene import add_sphere, attribute_values, saved_scene, select  # noqa: E402
@@ -90,7 +90,7 @@ def test_in_edit_mode_the_edited_mesh_is_measured_and_a_note_says_so(monkey):
 def test_the_same_command_line_as_before_measures_the_base_mesh(monkey):
     assert targets.ReadRequest().source == "original"
     assert len(arrays_of(monkey, "original").positions) < len(arrays_of(monkey, "auto").positions)
-    assert "auto" not in source_meshes.NAMES
+    assert "auto" not in source_kinds.NAMES
 
 
 @pytest.mark.parametrize("name", ["cavity", "convexity", "ambient_openness", "mean_curvature"])

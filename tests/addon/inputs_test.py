@@ -21,7 +21,7 @@ def export(suffix, path):
     names = {".stl": ("wm.stl_export", "export_mesh.stl"), ".fbx": ("export_scene.fbx",)}.get(
         suffix, ("wm.usd_export",)
     )
-    name = next(name for name in reversed(names) if scene_io.has_operator(name))
+    name = next(name for name in reversed(names) if scene_io.operator_of(name))
     category, _, member = name.partition(".")
     getattr(getattr(bpy.ops, category), member)(filepath=str(path))
 
@@ -57,7 +57,7 @@ def test_every_input_gives_the_curvature_of_the_sphere(run, report, tmp_path, mo
     empty_scene()
     add_sphere(steps=10)
     path = tmp_path / f"sphere{suffix}"
-    if suffix.startswith(".usd") and not scene_io.has_operator("wm.usd_import"):
+    if suffix.startswith(".usd") and not scene_io.operator_of("wm.usd_import"):
         path.write_text("#usda 1.0")
         ended = run("bake", path, *QUICK, "--output", "out.npz")
         assert ended.code == common.EXIT_INPUT

@@ -40,7 +40,7 @@ def test_live_gives_the_values_of_a_bake_with_the_modifiers_that_are_shown(cage)
     bake()
     baked = values(cage, MASK)
     assert switch(cage) == ""
-    assert sessions.session_at(cage).arrays.positions.shape[0] > 4 * len(baked), "the cage was measured"
+    assert sessions.session_at(cage).read.arrays.positions.shape[0] > 4 * len(baked), "the cage was measured"
     np.testing.assert_array_equal(values(cage, MASK), baked)
     cage.modifiers["finer"].show_viewport = False
     bpy.context.view_layer.update()

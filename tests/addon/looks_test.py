@@ -9,7 +9,7 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc_blender  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
-from paradesc_blender.scene import mesh_io, record, sculpt_masks  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io, record, sculpt_masks  # noqa: E402
 from paradesc_blender.settings import looks  # noqa: E402
 from paradesc_blender.show import channels, overlay, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
@@ -26,7 +26,7 @@ def baked():
     target = add_sphere(steps=4)
     results = made_up_results(target, NAMES)
     results.values["mean_curvature"][5] = np.nan
-    mesh_io.write_results(target, results)
+    delivery.deliver(target, results)
     return target
 
 
@@ -93,14 +93,14 @@ def test_next_bake_has_the_colors_of_the_scene(baked, monkeypatch):
 
 def test_later_bake_of_another_descriptor_keeps_the_legend_of_the_first(baked):
     before = recolor.stored_range(baked.data, "curvedness")
-    mesh_io.write_results(baked, made_up_results(baked, ("shape_index",)))
+    delivery.deliver(baked, made_up_results(baked, ("shape_index",)))
     assert recolor.stored_range(baked.data, "curvedness") == before
     assert recolor.baked_names(baked.data) == ["curvedness", "mean_curvature", "shape_index"]
 
 
 def test_recolor_and_material_take_all_selected_meshes(baked):
     other = add_sphere("other", steps=4)
-    mesh_io.write_results(other, made_up_results(other, NAMES))
+    delivery.deliver(other, made_up_results(other, NAMES))
     bare = add_sphere("bare", steps=2)
     bpy.context.view_layer.objects.active = baked
     assert [item.select_get() for item in (baked, other, bare)] == [True] * 3

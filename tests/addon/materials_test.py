@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
-from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
@@ -26,7 +26,7 @@ def baked_sphere(names=NAMES):
         material.use_nodes = True
         target.data.materials.append(material)
     target.data.polygons.foreach_set("material_index", np.arange(len(target.data.polygons), dtype=np.int32) % 2)
-    mesh_io.write_results(target, made_up_results(target, names))
+    delivery.deliver(target, made_up_results(target, names))
     return target
 
 

@@ -12,7 +12,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import InputError, ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc_blender.scene import mesh_io, record  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io, record  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 SETTINGS = job.Settings(
@@ -155,7 +155,7 @@ def test_edit_mode_gives_the_mesh_as_edited_so_far(sphere_object):
 
 def test_results_become_attributes_and_active_colors(sphere_object):
     results = made_up_results(sphere_object, ("mean_curvature", "shape_index"))
-    assert mesh_io.write_results(sphere_object, results) == []
+    assert delivery.deliver(sphere_object, results) == []
     mesh = sphere_object.data
     for name in ("mean_curvature", "shape_index", "coverage"):
         assert (mesh.attributes[name].data_type, mesh.attributes[name].domain) == ("FLOAT", "POINT")
@@ -175,7 +175,7 @@ def test_results_become_attributes_and_active_colors(sphere_object):
 def test_undefined_values_stay_nan_and_are_grey(sphere_object):
     results = made_up_results(sphere_object)
     results.values["mean_curvature"][5] = np.nan
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     assert np.isnan(attribute_values(sphere_object.data, "mean_curvature")[5])
     np.testing.assert_allclose(attribute_values(sphere_object.data, "mean_curvature_color")[5, :3], 0.21404, atol=1e-4)
     assert np.flatnonzero(attribute_values(sphere_object.data, "paradesc_mask")).tolist() == [5]
@@ -183,11 +183,11 @@ def test_undefined_values_stay_nan_and_are_grey(sphere_object):
 
 
 def test_second_bake_overwrites_the_first(sphere_object):
-    mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    delivery.deliver(sphere_object, made_up_results(sphere_object))
     names = sorted(attribute.name for attribute in sphere_object.data.attributes)
     again = made_up_results(sphere_object)
     again.values["mean_curvature"] += 5
-    mesh_io.write_results(sphere_object, again)
+    delivery.deliver(sphere_object, again)
     assert sorted(attribute.name for attribute in sphere_object.data.attributes) == names
     assert np.array_equal(attribute_values(sphere_object.data, "mean_curvature"), again.values["mean_curvature"])
 
@@ -195,18 +195,18 @@ def test_second_bake_overwrites_the_first(sphere_object):
 def test_which_vertices_have_no_value_is_written_only_where_one_has_none_or_had(sphere_object):
     mesh, name = sphere_object.data, "paradesc_mask"
     results = made_up_results(sphere_object)
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     assert name not in mesh.attributes
     results.values["mean_curvature"][7] = np.nan
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     assert np.flatnonzero(attribute_values(mesh, name)).tolist() == [7]
     results.values["mean_curvature"][7] = 0.5
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     assert not attribute_values(mesh, name).any()  # what reads it goes on
 
 
 def test_summary_says_what_was_done(sphere_object):
-    mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    delivery.deliver(sphere_object, made_up_results(sphere_object))
     stored = record.read(sphere_object.data)
     assert stored["settings"]["descriptors"] == ["mean_curvature"]
     assert stored["settings"]["radius"] == 0.02
@@ -217,18 +217,18 @@ def test_summary_says_what_was_done(sphere_object):
 def test_largest_seed_fits_the_summary(sphere_object):
     results = made_up_results(sphere_object)
     results.settings.options.seed = 2**32 - 1
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     assert record.read(sphere_object.data)["settings"]["seed"] == 2**32 - 1
 
 
 def test_attribute_of_another_type_stays_whoever_made_it(sphere_object):
-    mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    delivery.deliver(sphere_object, made_up_results(sphere_object))
     mesh = sphere_object.data
     mesh.attributes.remove(mesh.attributes["coverage"])
     mesh.attributes.new("coverage", "INT", "FACE")
     mesh.attributes.remove(mesh.attributes["mean_curvature_color"])
     mesh.attributes.new("mean_curvature_color", "FLOAT", "FACE")
-    sentences = mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    sentences = delivery.deliver(sphere_object, made_up_results(sphere_object))
     assert ["mean_curvature_2" in sentences[0], "coverage_2" in sentences[1]] == [True, True]
     assert (mesh.attributes["coverage"].data_type, mesh.attributes["coverage_2"].data_type) == ("INT", "FLOAT")
     assert mesh.attributes["mean_curvature_color"].domain == "FACE"
@@ -236,7 +236,7 @@ def test_attribute_of_another_type_stays_whoever_made_it(sphere_object):
 
 def test_uv_map_with_a_result_name_stays(sphere_object):
     sphere_object.data.uv_layers[0].name = "mean_curvature"
-    (sentence,) = mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    (sentence,) = delivery.deliver(sphere_object, made_up_results(sphere_object))
     assert '"mean_curvature_2"' in sentence
     assert sphere_object.data.uv_layers.keys() == ["mean_curvature"]
 
@@ -253,7 +253,7 @@ def test_a_failure_takes_back_what_was_made(sphere_object, monkeypatch):
 
     monkeypatch.setattr(mesh_io, "make_attribute", fail_at_the_third)
     with pytest.raises(ParadescError, match=r"No\."):
-        mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+        delivery.deliver(sphere_object, made_up_results(sphere_object))
     assert fingerprint(sphere_object) == before
 
 
@@ -262,7 +262,7 @@ def test_changed_mesh_is_refused_and_kept(sphere_object):
     results.coverage = results.coverage[:-1]
     before = fingerprint(sphere_object)
     with pytest.raises(ParadescError, match="changed"):
-        mesh_io.write_results(sphere_object, results)
+        delivery.deliver(sphere_object, results)
     assert fingerprint(sphere_object) == before
 
 
@@ -282,7 +282,7 @@ def test_linked_mesh_is_refused(sphere_object, tmp_path):
 
 def test_computed_values_survive_saving(sphere_object, tmp_path):
     results = job.run(mesh_io.read_object(sphere_object, corner_normals=False), SETTINGS)
-    mesh_io.write_results(sphere_object, results)
+    delivery.deliver(sphere_object, results)
     path = tmp_path / "saved.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
     bpy.ops.wm.open_mainfile(filepath=str(path))

@@ -12,7 +12,7 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 from live_values import switch  # noqa: E402
 from paradesc_blender.animation import sessions  # noqa: E402
-from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.scene import delivery  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere, subdivide  # noqa: E402
 from writers import NAME, WRITERS, attribute, bake, everything, kinds  # noqa: E402
@@ -70,7 +70,7 @@ def test_ours_stays_ours_when_the_mesh_is_edited(target):
 
 def test_the_sentence_says_what_stays_and_where_the_values_are(target):
     attribute(NAME)(target)
-    (sentence,) = mesh_io.write_results(target, made_up_results(target))
+    (sentence,) = delivery.deliver(target, made_up_results(target))
     assert f'"{NAME}" is not from a bake' in sentence
     assert f'"{NAME}_2"' in sentence
 

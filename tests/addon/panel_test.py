@@ -319,7 +319,7 @@ def test_no_line_is_wider_than_the_sidebar(state, monkeypatch):
         target.scale = (2, 1, 1)
         bpy.context.view_layer.update()
     if state == "linked":
-        monkeypatch.setattr(mesh_io, "check_writable", refused)
+        monkeypatch.setattr(mesh_io, "unwritable", refused)
     if state == "dyntopo":
         bpy.ops.object.mode_set(mode="SCULPT")
         bpy.ops.sculpt.dynamic_topology_toggle()
@@ -353,7 +353,7 @@ def test_a_simulation_is_asked_to_be_baked_before_live_values(kind):
 
 
 def refused(target):
-    raise bridge.ParadescError(3, f'The mesh "{target.data.name}" is linked from another file; make it local first.')
+    return f'The mesh "{target.data.name}" is linked from another file; make it local first.'
 
 
 def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypatch):
@@ -361,7 +361,7 @@ def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypat
     assert " ".join(drawn_by(panel.PARADESC_PT_bake)["label"]) == "Select a mesh object first"
     add_sphere()
     assert drawn_by(panel.PARADESC_PT_bake)["label"] == []
-    monkeypatch.setattr(mesh_io, "check_writable", refused)
+    monkeypatch.setattr(mesh_io, "unwritable", refused)
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert "linked from another file" in " ".join(shown["label"])
     assert "paradesc.make_local" in shown["operator"]

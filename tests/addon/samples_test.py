@@ -50,7 +50,7 @@ def opened(folder):
 
     def open_sample(name):
         scene_io.open_scene(folder / f"{name}.blend")
-        return scene_io.choose_object(None, prefer_active=True)
+        return scene_io.choose_object(prefer_active=True)
 
     return open_sample
 

@@ -11,6 +11,7 @@ import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
+from paradesc.files.reading import on_original  # noqa: E402
 from paradesc_blender.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
 from paradesc_blender.scene.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
@@ -44,7 +45,7 @@ SUBSURF = ("SUBSURF", {"levels": 1})
 
 def test_without_modifiers_all_sources_are_the_same():
     target = with_modifiers()
-    first, *others = (source_meshes.read(target, source).arrays for source in source_meshes.NAMES)
+    first, *others = (source_meshes.read(target, source).arrays for source in source_kinds.NAMES)
     assert all(np.array_equal(first.positions, arrays.positions) for arrays in others)
     assert all(np.array_equal(first.triangle_corners, arrays.triangle_corners) for arrays in others)
 
@@ -67,7 +68,7 @@ def test_deformed_follows_a_shape_key():
     np.testing.assert_allclose(lengths, 3, rtol=1e-4)
 
 
-@pytest.mark.parametrize("source", source_meshes.NAMES)
+@pytest.mark.parametrize("source", source_kinds.NAMES)
 @pytest.mark.parametrize("modifiers", [(), (BEND,), (BEND, SUBSURF), (("REMESH", {"voxel_size": 0.5}), BEND)], ids=len)
 def test_reading_changes_nothing(source, modifiers):
     target = with_modifiers(*modifiers)
@@ -137,7 +138,7 @@ def test_where_vertices_are_lost_the_reading_says_so(kind, settings):
     target = with_modifiers((kind, settings))
     before = fingerprint(target)
     reading = source_meshes.read(target, "evaluated")
-    assert (reading.own, reading.generated, reading.vertices) == (False, True, None)
+    assert (reading.own, reading.vertices) == (False, None)
     assert reading.notes == [f"Measured with its modifiers: {len(reading.arrays.positions)} vertices."]
     assert fingerprint(target) == before
 
@@ -157,7 +158,7 @@ def test_corners_come_along_to_the_original():
     target = with_modifiers(("SUBSURF", {"levels": 1}))
     reading = source_meshes.read(target, "evaluated")
     settings = job.Settings(("harris",), QUICK.options, "software")
-    found = delivery.on_original(job.run(reading.arrays, settings), reading)
+    found = on_original(job.run(reading.arrays, settings), reading.vertices)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
 
@@ -175,7 +176,7 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
     assert (reading.vertices != np.arange(len(reading.vertices))).mean() > 0.9
     settings = job.Settings(("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256), "software")
     expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
-    found = delivery.on_original(results, reading)
+    found = on_original(results, reading.vertices)
     near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
     assert np.array_equal(expected.mask & abi.MASK_BOUNDARY != 0, near_rim)
     assert np.array_equal(found.mask, expected.mask)
@@ -225,10 +226,8 @@ def test_object_that_blender_does_not_evaluate_is_refused_and_not_measured_witho
     assert not np.allclose(source_meshes.read(target, "deformed").arrays.positions, straight)
 
 
-def test_unknown_source_and_taken_name_are_one_sentence():
+def test_a_taken_name_is_one_sentence():
     target = with_modifiers(SUBSURF)
-    with pytest.raises(bridge.ParadescError, match="deformed"):
-        source_meshes.read(target, "rest")
     target.data.attributes.new(source_meshes.MARK, "INT", "POINT")
     with pytest.raises(bridge.ParadescError, match="rename"):
         source_meshes.read(target, "evaluated")

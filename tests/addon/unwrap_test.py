@@ -13,7 +13,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.core.uv_faults import uv_areas  # noqa: E402
-from paradesc_blender.scene import mesh_io, record, unwrap  # noqa: E402
+from paradesc_blender.scene import delivery, mesh_io, record, unwrap  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, measure_curvature  # noqa: E402
 
 OPTIONS = bridge.Options(radius=0.08, samples=64, buffer_size=512)
@@ -44,7 +44,7 @@ def read(target, **words):
 def bake(target):
     """Computes and writes; gives the results."""
     results = job.run(read(target), SETTINGS)
-    mesh_io.write_results(target, results)
+    delivery.deliver(target, results)
     return results
 
 
@@ -364,7 +364,7 @@ def test_layout_of_a_mesh_that_changed_meanwhile_is_not_kept(bare):
     bare.data.loops.foreach_get("vertex_index", corners)
     corners[:4] = np.roll(corners[:4], 1)
     bare.data.loops.foreach_set("vertex_index", corners)
-    mesh_io.write_results(bare, results)
+    delivery.deliver(bare, results)
     assert unwrap.ATTRIBUTE not in bare.data.attributes
 
 

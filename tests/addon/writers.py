@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mesh_io_test import made_up_results
 
-from paradesc_blender.scene import carrying, mesh_io, sculpt_masks
+from paradesc_blender.scene import carrying, delivery, sculpt_masks
 from scene import add_sphere, select, small_bake
 
 NAME = "mean_curvature"
@@ -103,7 +103,7 @@ class Writer:
 
 
 def bake(target):
-    mesh_io.write_results(target, made_up_results(target, (NAME, "cavity")))
+    delivery.deliver(target, made_up_results(target, (NAME, "cavity")))
 
 
 def attribute(name, kind="FLOAT", domain="POINT"):

@@ -19,9 +19,9 @@ from ..files import cache, mesh_files, sequences
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
 from ..files.map_images import MapChoice
 from ..files.paths import is_folder
-from . import file_reading
+from ..files.reading import Read, ReadRequest, read_mesh
 from .common import UsageError
-from .sources import Opened, scene_source
+from .sources import Opened, Source, check_options, chosen, reads_files, scene_source
 
 SOURCE = "files"
 
@@ -41,28 +41,17 @@ class MeshSequence:
 
     def mesh_at(self, frame: int) -> PolygonMesh:
         """The mesh of a frame."""
-        names = [] if self.selector is None else [self.selector]
-        return file_reading.chosen(mesh_files.read(self.files[frame]), names)[0]
+        return chosen(mesh_files.read(self.files[frame]), self.selector)
 
 
-@dataclass
-class FileReading:
-    """The mesh of a frame. Its vertices are the file's own."""
-
-    arrays: MeshArrays
-    own: bool = True
-
-
-class SequenceSource:
+class SequenceSource(Source):
     """A sequence of files, with the methods of SceneSource that commands about frames call."""
 
-    def __init__(self, arguments: argparse.Namespace) -> None:
-        self.arguments = arguments
-        self.files: dict[int, Path] = {}
+    files: dict[int, Path]
 
     def open(self) -> list[str]:
         """Finds the files of all frames, among them those that --frames asks for."""
-        file_reading.check_options(self.arguments)
+        check_options(self.arguments)
         self.files = sequences.frames_of(self.arguments.input)
         lacking = [frame for frame in parse_frames(self.arguments.frames) or () if frame not in self.files]
         if lacking:
@@ -76,8 +65,8 @@ class SequenceSource:
         arguments, first = self.arguments, next(iter(self.files.values()))
         there = mesh_files.read(first) if arguments.all or arguments.object else []
         if len(there) > 1 or arguments.object:
-            chosen = there if arguments.all else file_reading.chosen(there, arguments.object)
-            return Opened([MeshSequence(mesh.name, self.files, mesh.name) for mesh in chosen])
+            picked = [chosen(there, name) for name in dict.fromkeys(arguments.object)] or there
+            return Opened([MeshSequence(mesh.name, self.files, mesh.name) for mesh in picked])
         return Opened([MeshSequence(sequences.name_of(arguments.input, first), self.files, None)])
 
     def frame_range(self) -> Sequence[int]:
@@ -92,14 +81,14 @@ class SequenceSource:
 
     def frame_baker(self, mesh: MeshSequence, request: FrameRequest) -> "FileBaker":
         """Bakes the mesh's frames."""
-        return FileBaker(mesh, request, self.arguments)
+        return FileBaker(mesh, request, self.request())
 
 
 def source_of_frames(arguments: argparse.Namespace) -> Any:
     """The source of frames, which is not open yet. A single file that is read without Blender is refused."""
     given = arguments.input
     if given is None or not sequences.is_sequence(given):
-        if file_reading.reads_files(arguments):
+        if reads_files(arguments):
             how = "a folder, frames/mesh_####.ply or 'frames/*.ply'"
             raise UsageError(f'"{given}" is one mesh and no animation; give a sequence of files: {how}.')
         return scene_source(arguments)
@@ -119,8 +108,8 @@ def parse_frames(text: str | None) -> range | None:
 class FileBaker(Baker):
     """Bakes the frames of one mesh, each from a file."""
 
-    def __init__(self, mesh: MeshSequence, request: FrameRequest, arguments: argparse.Namespace) -> None:
-        self.mesh, self.arguments, self.settings = mesh, arguments, request.settings
+    def __init__(self, mesh: MeshSequence, request: FrameRequest, reading: ReadRequest) -> None:
+        self.mesh, self.reading, self.settings = mesh, reading, request.settings
         self.maps: SurfaceMaps | None = None
         super().__init__(mesh.name, mesh.first.name, request)
 
@@ -131,19 +120,19 @@ class FileBaker(Baker):
 
     def read_base(self, _needs_uvs: bool) -> MeshArrays:
         """The mesh of the first file."""
-        if self.arguments.normal_map is not None:
+        if self.reading.maps.normal_map is not None:
             raise InputError("Normal maps are followed in single bakes only; leave them out to bake frames.")
-        known = None if self.maps is None else MapChoice()  # None: images are read only once
-        read = file_reading.read_mesh(self.mesh.first, self.settings, self.arguments, maps=known)
+        read = read_mesh(self.mesh.first, self.settings, self.reading)
+        self.reading = replace(self.reading, maps=MapChoice())  # images are read only once
         self.maps = read.measured.maps = self.maps or read.measured.maps
-        self.notes += [note for note in read.notes if note not in self.notes]
+        self.tell(read.sentences)
         return read.measured
 
     def prepare(self, frame: int) -> Task | None:
         """Reads a frame's file; None if its result is there already."""
         start = time.perf_counter()
         try:
-            read = file_reading.read_mesh(self.mesh.mesh_at(frame), self.settings, self.arguments, maps=MapChoice())
+            read = read_mesh(self.mesh.mesh_at(frame), self.settings, self.reading)
         except ParadescError as error:
             raise at_frame(frame, error) from error
         arrays = read.measured
@@ -157,7 +146,7 @@ class FileBaker(Baker):
             arrays.maps = self.maps
             shape = [getattr(arrays, name) for name in TOPOLOGY]
             content = digest(np.frombuffer(content.encode(), np.uint8), *shape)
-        self.notes += [note for note in read.notes if note not in self.notes and note not in self.mesh.first.notes]
+        self.tell(read.sentences)
         if self.is_kept(frame, content):
             return None
-        return Task(frame, FileReading(arrays), content, {"depsgraph": 0.0, "read": time.perf_counter() - start})
+        return Task(frame, Read(arrays), content, {"depsgraph": 0.0, "read": time.perf_counter() - start})

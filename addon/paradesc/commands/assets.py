@@ -5,7 +5,6 @@ are written completely or not at all, the row last, so every existing row has it
 killed, repeated, and run twice at the same time.
 """
 
-import argparse
 import hashlib
 import json
 import time
@@ -23,9 +22,9 @@ from ..core.polygons import PolygonMesh
 from ..files import mesh_files, results
 from ..files.gltf_file import buffer_path
 from ..files.paths import is_file
+from ..files.reading import ReadRequest, read_mesh
 from ..files.results import Baked, make_folder, write_whole
 from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
-from .file_reading import read_mesh
 
 RESULTS = "results"
 # The exit codes of failures that the same file and settings always cause; such an asset is not tried again.
@@ -183,9 +182,9 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
 
 def bake(mesh: PolygonMesh, settings: job.Settings, progress: ProgressFunction | None) -> Baked:
     """Computes one mesh of a file as paradesc bake does without Blender."""
-    read = read_mesh(mesh, settings, argparse.Namespace())
+    read = read_mesh(mesh, settings, ReadRequest(remedy="give --space world"))
     found = job.run(read.measured, settings, progress)
-    notes = [*read.notes, *found.facet_notes(), *found.unused_notes()]
+    notes = [*read.sentences, *found.facet_notes(), *found.unused_notes()]
     return Baked(mesh.name, found, read.arrays, mesh.matrix_world, notes)
 
 

@@ -10,10 +10,11 @@ from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
 from ..core.face_centers import DOMAINS
 from ..files import preset_rules, results
+from ..files.reading import world_matrix
 from . import common, images, options, pairs
 from .look_options import add_look_options, look_of
 from .outputs import add_output_files, check_files, check_values, files_of, write_files
-from .sources import Source, Target, scene_source, source_of, world_matrix
+from .sources import Source, Target, scene_source, source_of
 
 HELP = "compute descriptors and write them to files"
 
@@ -129,7 +130,7 @@ def bake_objects(
                     # The own normals of a low-poly object are not measured.
                     fitted = replace(settings, options=replace(settings.options, normals="fitted"))
                     read = source.read(target, fitted if onto else settings)
-                    arrays, reading, notes = read.arrays, read.reading, read.notes
+                    arrays, notes = read.arrays, read.sentences
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
                         highs = onto[target]
@@ -143,11 +144,11 @@ def bake_objects(
                         )
                 computed.look = look
             else:
-                arrays, reading, computed = known.arrays, known.reading, known.results
+                read, arrays, computed = known.reading, known.arrays, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
             notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
             matrix = world_matrix(target)
-            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, reading))
+            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, read))
             of_mesh.setdefault(source.mesh_name(target), baked[-1])
     return baked
 

@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     target = source.one(arguments.object)
     settings = opened_settings(arguments)
     read = source.read(target, settings)
-    read.notes += notes_of_preset(arguments.preset_content, has_colors=False)
+    notes = [*read.sentences, *notes_of_preset(arguments.preset_content, has_colors=False)]
     with Progress(arguments.progress) as progress:
         rows, device, reference = compare.compare(read.measured, settings, progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
@@ -51,14 +51,14 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
     spreads = [f"{note[0].upper()}{note[1:]}." for note in filter(None, map(compare.spread_note, rows))]
-    print_notes([*read.notes, *spreads, *device.warnings])
+    print_notes([*notes, *spreads, *device.warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),
         "backend": device.backend,
         "device": device.device,
         "fallback": "",  # for readers of earlier versions
-        "notes": read.notes,
+        "notes": notes,
         "warnings": device.warnings,
         "rows": rows,
         "failed_checks": failed_checks(rows, arguments.fail_over_error),

@@ -12,8 +12,7 @@ from ..files.paths import is_file
 from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
 from .common import PROGRESS, UsageError, has_blender
-from .file_reading import READERS
-from .sources import scene_source
+from .sources import READERS, scene_source
 
 # The members that have no effect, because the suffix of an image's file decides.
 WITHOUT_OPTION = ("image_format",)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from ..bridge import InputError
 from ..core import job, pair_names, transfer
+from ..files.reading import Read, part_of
 from .common import Parser, UsageError
-from .sources import Opened, Read, Source, Target, world_matrix
+from .sources import Opened, Source, Target
 
 
 def add_pair_options(parser: Parser) -> None:
@@ -55,7 +56,7 @@ def picked(source: Source, arguments: argparse.Namespace) -> Opened:
     """The objects to work on; with --pairs the low-poly ones by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
         return source.picked()
-    lows = [item for item in source.everything() if pair_names.LOW.fullmatch(item.name)]
+    lows = [item for item in source.meshes if pair_names.LOW.fullmatch(item.name)]
     if not lows:
         raise InputError("No mesh object has a name that ends in _low.")
     return Opened(sorted(lows, key=lambda item: item.name))
@@ -71,8 +72,7 @@ def with_highs(
             yield by_name(lows, there)
             return
         (low,) = lows
-        names = arguments.from_objects
-        found = source.named(there, names) if names else [item for item in there if source.has_faces(item)]
+        found = source.named(there, arguments.from_objects)
         if low in found:
             raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
         yield {low: found}
@@ -92,11 +92,6 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 # ---- Baking
 
 
-def part_of(target: Target, read: Read) -> transfer.Part:
-    """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
-
-
 def run_onto(
     source: Source,
     low: Target,
@@ -114,7 +109,7 @@ def run_onto(
     for high in highs:
         found = source.read_high(high, settings)
         # The detailed object itself gets no results, so notes about where they would go are left out.
-        notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
+        notes += [note for note in found.sentences if note not in found.source_notes]
         parts.append(part_of(high, found))
     size, cage = settings.options.texels, arguments.cage or 0.0
     results = transfer.run(part_of(low, read), parts, settings, size, cage, progress, tiles)

@@ -1,6 +1,7 @@
 """Finds the meshes of a command: in files that Paradesc itself reads, or in Blender's scene by the add-on."""
 
 import argparse
+import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,17 +11,27 @@ from typing import Any
 
 import numpy as np
 
-from ..bridge import MeshArrays
+from ..bridge import InputError, MeshArrays, ParadescError, abi
 from ..core import job, uv_faults
 from ..core.polygons import PolygonMesh
 from ..core.standard_streams import quiet
-from ..files import mesh_files
-from . import file_reading
-from .common import BLENDER, BLENDER_PART
+from ..files import mesh_files, reading
+from ..files.map_images import MapChoice
+from ..files.paths import is_file
+from ..files.reading import Read, ReadRequest
+from .common import BLENDER, BLENDER_PART, UsageError, has_blender, lacking, saves_scene
+from .images import paths_of
 
 Target = Any  # a PolygonMesh, or an object of Blender's scene
-Source = Any  # a FileSource, or the add-on's SceneSource
-Read = Any  # a FileRead, or the add-on's targets.Read
+READERS = ("auto", "blender", "files")
+KNOWN = ", ".join(mesh_files.SUFFIXES)
+# In place of what is lacking, where all is there and cannot be imported.
+BROKEN = "Blender's Python module bpy cannot be imported here", "install it again"
+# Options that concern data only .blend files have, or work that Blender does.
+BY_BLENDER = {
+    "scene_settings": "--scene-settings takes the panel's settings from a .blend",
+    "material_maps": "--material-maps takes images from Blender's materials",
+}
 UV_NAME = "UVMap"  # of the only UV map in a file whose format has no names for UV maps
 
 
@@ -45,37 +56,56 @@ class Subject:
     notes: list[str] = field(default_factory=list)
 
 
-class FileSource:
-    """The meshes of a file that Paradesc itself reads; SceneSource has these methods, and more, for Blender's scene."""
-
-    unwraps = False
+class Source:
+    """The meshes of a command's input: of a FileSource, or of the add-on's SceneSource, which has more methods."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        self.arguments, self.meshes = arguments, []
+        self.arguments = arguments
+
+    def picked(self) -> Opened:
+        """The meshes that --all or --object ask for, or the one that stands out."""
+        return self.all() if self.arguments.all else Opened(self.asked() or [self.one()])
+
+    def asked(self) -> list[Target]:
+        """The meshes that --object names, each once."""
+        return [self.one(name) for name in dict.fromkeys(self.arguments.object)]
+
+    def request(self) -> ReadRequest:
+        """The request for reading a mesh that the options make; not every command has all of them."""
+        given = self.arguments
+        maps = MapChoice()
+        if hasattr(given, "displacement"):
+            scale = given.displacement_scale
+            maps = MapChoice(given.displacement, given.midlevel, scale, given.normal_map, given.material_maps)
+        buffers = getattr(given, "dump_buffers", None) is not None
+        images = hasattr(given, "map") and bool(paths_of(given))
+        shape, source = given.shape_key or "basis", given.source
+        return ReadRequest(shape, maps, source, buffers, images, saves_scene(given), "give --space world")
+
+
+class FileSource(Source):
+    """The meshes of a file that Paradesc itself reads. A mesh has only its shape, so the file's mesh is the object."""
+
+    unwraps = False
+    meshes: list[PolygonMesh]
 
     def open(self) -> list[str]:
         """Reads the file."""
-        file_reading.check_options(self.arguments)
+        check_options(self.arguments)
         self.meshes = mesh_files.read(self.arguments.input)
         return []
 
-    def one(self, name: str | None) -> PolygonMesh:
-        """The mesh of this name; without one, the object that stands out, which is the largest."""
-        return file_reading.chosen(self.meshes, [] if name is None else [name])[0]
-
-    def picked(self) -> Opened:
-        """The meshes that --all or --object ask for, or the largest."""
-        names = self.arguments.object
-        return Opened(self.meshes if self.arguments.all else file_reading.chosen(self.meshes, names))
-
-    def everything(self) -> list[PolygonMesh]:
-        """All meshes of the file."""
-        return self.meshes
+    def all(self) -> Opened:
+        """The meshes that --all asks for."""
+        return Opened(self.meshes)
 
     def described(self) -> list[PolygonMesh]:
         """All meshes, or those that --object names."""
-        names = self.arguments.object
-        return file_reading.chosen(self.meshes, names) if names else self.meshes
+        return self.asked() or self.meshes
+
+    def one(self, name: str | None = None) -> PolygonMesh:
+        """The mesh of this name, or the largest."""
+        return chosen(self.meshes, name)
 
     @contextmanager
     def detailed(self) -> Iterator[list[PolygonMesh]]:
@@ -84,25 +114,21 @@ class FileSource:
         yield self.meshes if other is None else mesh_files.read(other)
 
     def named(self, there: list[PolygonMesh], names: list[str]) -> list[PolygonMesh]:
-        """The meshes of these names, each once."""
-        return file_reading.chosen(there, names)
-
-    def has_faces(self, _mesh: PolygonMesh) -> bool:
-        """Meshes of files always have some."""
-        return True
+        """The meshes of these names, each once; all without names."""
+        return [chosen(there, name) for name in dict.fromkeys(names)] or there
 
     def mesh_name(self, mesh: PolygonMesh) -> str:
-        """The name of the object's mesh, which objects may share; of files, the mesh is the object."""
+        """The name of the object's mesh, which objects in a scene may share."""
         return mesh.name
 
-    def read(self, mesh: PolygonMesh, settings: job.Settings) -> file_reading.FileRead:
+    def read(self, mesh: PolygonMesh, settings: job.Settings) -> Read:
         """Reads the mesh as the options ask; the mesh stays as it is."""
-        return file_reading.read_mesh(mesh, settings, self.arguments)
+        return reading.read_mesh(mesh, settings, self.request())
 
-    def read_high(self, mesh: PolygonMesh, settings: job.Settings) -> file_reading.FileRead:
+    def read_high(self, mesh: PolygonMesh, settings: job.Settings) -> Read:
         """Reads a detailed mesh. It is measured at its vertices and needs no UV map."""
         settings = replace(settings, options=replace(settings.options, evaluate="vertex"))
-        return file_reading.read_mesh(mesh, settings, self.arguments, has_images=False)
+        return reading.read_mesh(mesh, settings, replace(self.request(), images=False))
 
     def subject(self, mesh: PolygonMesh) -> Subject:
         """A mesh has only its shape; formats with one UV map do not name it."""
@@ -125,9 +151,28 @@ class FileSource:
         return Subject(facts, len(arrays.positions), mesh.face_count, name, uvs, lambda: arrays, mesh.notes)
 
 
+def chosen(meshes: list[PolygonMesh], name: str | None) -> PolygonMesh:
+    """The mesh of this name; without one the mesh with the most vertices."""
+    return max(meshes, key=lambda mesh: len(mesh.arrays.positions)) if name is None else find(meshes, name)
+
+
+def find(there: list[Target], name: str, numbered: bool = False) -> Target:
+    """The mesh object of this name. numbered: a number that Blender appended to the name counts as well."""
+    found = [item for item in there if item.name == name]
+    if not found and numbered:
+        found = [item for item in there if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
+    if not found:
+        known = ", ".join(f'"{item.name}"' for item in there[:8]) or "none"
+        raise InputError(f'There is no object "{name}"; mesh objects: {known}.')
+    return found[0]
+
+
+# ---- Who reads a file
+
+
 def source_of(arguments: argparse.Namespace) -> Source:
     """The source of the input, which is not open yet."""
-    return FileSource(arguments) if file_reading.reads_files(arguments) else scene_source(arguments)
+    return FileSource(arguments) if reads_files(arguments) else scene_source(arguments)
 
 
 def scene_source(arguments: argparse.Namespace) -> Any:
@@ -137,10 +182,43 @@ def scene_source(arguments: argparse.Namespace) -> Any:
         with quiet(getattr(arguments, "verbose", False)):
             kind = BLENDER[-1] if BLENDER else import_module(f"{BLENDER_PART}.source").SceneSource
     except ImportError as error:
-        raise file_reading.missing(arguments) from error
+        raise missing(arguments) from error
     return kind(arguments, is_open)
 
 
-def world_matrix(target: Target) -> np.ndarray:
-    """(4, 4) float64 matrix from object space to world space."""
-    return np.array(target.matrix_world, np.float64)
+def reads_files(arguments: argparse.Namespace) -> bool:
+    """Whether the input is read without Blender: by --reader, or because Blender is missing or lacks the format."""
+    if arguments.input is None or arguments.reader == "blender":
+        return False
+    suffix = arguments.input.suffix.lower()
+    if arguments.reader == "files":
+        return True
+    return suffix in mesh_files.BLENDER_LACKS or (suffix in mesh_files.SUFFIXES and not has_blender())
+
+
+def missing(arguments: argparse.Namespace) -> Exception:
+    """The error where Blender's module is needed to open the input and is not installed."""
+    if arguments.input is None:
+        return UsageError(f"INPUT is missing; give a file: {KNOWN}.")
+    (found, remedy), suffix = lacking() or BROKEN, arguments.input.suffix.lower()
+    if suffix in mesh_files.SUFFIXES:
+        sentence = f"{found}; {remedy}, or leave --reader blender out."
+    elif is_file(arguments.input):
+        sentence = f'{found} to open "{arguments.input}"; {remedy}, or give one of {KNOWN}.'
+    else:
+        return InputError(f'There is no file "{arguments.input}".')
+    return ParadescError(abi.STATUS_UNSUPPORTED, sentence)
+
+
+def check_options(arguments: argparse.Namespace) -> None:
+    """Refuses options that need Blender, before any file is read."""
+    other = getattr(arguments, "from_file", None)
+    opened = other is not None and is_file(other) and other.suffix.lower() not in mesh_files.SUFFIXES
+    needs = [what for name, what in BY_BLENDER.items() if getattr(arguments, name, None)]
+    needs += [f'"{other}" is opened by Blender'] if opened else []
+    needs += ["A .blend is written by Blender"] if saves_scene(arguments) else []
+    if needs and has_blender():
+        raise UsageError(f"{needs[0]}; choose --reader blender and a file that Blender opens, or leave it out.")
+    if needs:
+        found, remedy = lacking()
+        raise ParadescError(abi.STATUS_UNSUPPORTED, f"{needs[0]}, and {found}; {remedy}, or leave it out.")

@@ -5,10 +5,9 @@ imports bpy.
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
 
 from .. import __version__
 from ..bridge import METHODS, Closing, InputError, MeshArrays, ParadescError, ProgressFunction, abi
@@ -16,6 +15,8 @@ from ..core import color_maps, fitting, job
 from ..core.digests import digest
 from ..core.stream import Stream
 from . import cache
+from .map_images import MapChoice
+from .reading import Read, on_original
 
 CPU_METHOD = METHODS["cpu"]
 
@@ -29,7 +30,7 @@ class FrameRequest:
     source: str = "deformed"
     relative: bool = False  # whether to bake the change against the base mesh as well
     force: bool = False  # whether to compute existing frames again
-    maps: object = None  # surface_maps.MapChoice
+    maps: MapChoice = field(default_factory=MapChoice)
 
 
 @dataclass
@@ -37,7 +38,7 @@ class Task:
     """One frame, read, to be computed and written."""
 
     frame: int
-    reading: Any  # FileReading or source_meshes.Reading: arrays, and own: whether its vertices are the base's
+    read: Read
     input: str
     seconds: dict[str, float]
 
@@ -47,7 +48,6 @@ class Done:
     """One frame that was written."""
 
     frame: int
-    path: Path
     seconds: dict[str, float]
     device: str
     warnings: list[str]
@@ -64,8 +64,9 @@ class Baker(Closing):
         self.normals = settings.options.normals == "mesh"
         self.notes: list[str] = []
         self._rest: job.Results | None = None
-        self.open(settings)
+        self.stream: Stream | None = None
         try:
+            self.open(settings)
             cache.sweep(request.folder)
             settled = self.settled()
             if settled != settings.backend:
@@ -74,7 +75,7 @@ class Baker(Closing):
             self.key = self.make_key(self.method, self.base)
             self.notes += job.unused_notes(self.stream.backend, settings.options)
         except BaseException:
-            self.stream.close()
+            self.close()
             raise
 
     def read_base(self, needs_uvs: bool) -> MeshArrays:
@@ -85,21 +86,17 @@ class Baker(Closing):
         """Reads the mesh of a frame; None if its file exists already."""
         raise NotImplementedError
 
-    def on_base(self, results: job.Results, _reading: object) -> job.Results:
-        """The results at the vertices for which frames store values."""
-        return results
+    def tell(self, notes: list[str]) -> None:
+        """Adds the notes that are not among those of this mesh yet."""
+        self.notes += [note for note in notes if note not in self.notes]
 
     def open(self, settings: job.Settings) -> None:
         """Reads the base mesh as these settings need it, and opens their device."""
         self.needs_uvs = job.needs_uvs(settings)
         self.base = self.read_base(self.needs_uvs)
         self.stream = Stream(self.base, settings)
-        try:
-            self.stream.settings = with_fixed_radii(self.stream, self.base, settings)
-            self.method = METHODS[self.stream.backend]
-        except BaseException:
-            self.stream.close()
-            raise
+        self.stream.settings = with_fixed_radii(self.stream, self.base, settings)
+        self.method = METHODS[self.stream.backend]
 
     def settled(self) -> str:
         """The backend for these frames. Under auto it is one with the method of the frames that exist already."""
@@ -131,12 +128,12 @@ class Baker(Closing):
         try:
             rest = self.rest(progress) if self.request.relative else None
             start = time.perf_counter()
-            arrays = task.reading.arrays
+            arrays = task.read.arrays
             if not self.stream.matches(arrays):
                 self.stream.replace(arrays)
             results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
             computed = time.perf_counter()
-            path = cache.write_frame(self.request.folder, self.content(task, results, rest))
+            cache.write_frame(self.request.folder, self.content(task, results, rest))
         except ParadescError as error:
             raise at_frame(task.frame, error) from error
         report = list(results.field_reports.values())
@@ -144,7 +141,7 @@ class Baker(Closing):
         total = sum(part["seconds_total"] for part in report)
         write = {"write": time.perf_counter() - computed}
         seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
-        return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
+        return Done(task.frame, seconds, f"{results.backend}: {results.device}", results.warnings)
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
         """The results of the base mesh, computed on first use."""
@@ -154,7 +151,7 @@ class Baker(Closing):
 
     def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
         """The content of a frame's file."""
-        found = self.on_base(results, task.reading)
+        found = on_original(results, task.read.vertices)  # where those are still there
         values, radius = {}, {}
         for asked, name in zip(self.request.settings.value_names(), found.settings.value_names(), strict=True):
             values[asked] = found.values[name]
@@ -169,7 +166,7 @@ class Baker(Closing):
             "object": self.object_name,
             "mesh": self.mesh_name,
             "source": self.request.source,
-            "vertices": "original" if task.reading.own else "evaluated",
+            "vertices": "original" if task.read.own else "evaluated",
             "settings": settings,
             "radius": radius,
             "warnings": results.warnings,
@@ -178,7 +175,8 @@ class Baker(Closing):
 
     def close(self) -> None:
         """Frees the device."""
-        self.stream.close()
+        if self.stream is not None:
+            self.stream.close()
 
 
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:

@@ -32,7 +32,7 @@ class Baked:
     arrays: bridge.MeshArrays
     matrix_world: np.ndarray  # (4, 4) float64
     notes: list[str] = field(default_factory=list)  # what was done to the input, beside the results' own warnings
-    reading: object = None  # sources.Reading: where the results belong in the scene
+    reading: object = None  # reading.Read: where the results belong in the scene
 
     @property
     def at_faces(self) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -35,12 +35,11 @@ class FrameBatch(Pieces):
     def __init__(self, context: bpy.types.Context, wanted: range, root: Path, beside: bool) -> None:
         """Takes the settings and the chosen objects. beside: whether a window has to stay responsive meanwhile."""
         scene = context.scene
-        group = scene.paradesc_animation
+        group, maps = scene.paradesc_animation, surface_maps.MapChoice(material=scene.paradesc.material_maps)
+        settings, options = properties.job_settings(scene.paradesc), (group.relative_to_rest, group.overwrite)
+        job.check_descriptors(settings.descriptors)
+        self.request = frames.FrameRequest(settings, root, frame_source(group), *options, maps)
         self.wanted, self.beside = wanted, beside
-        self.settings = properties.job_settings(scene.paradesc)
-        job.check_descriptors(self.settings.descriptors)
-        self.options = (group.relative_to_rest, group.overwrite)
-        self.material_maps = scene.paradesc.material_maps
         super().__init__(pieces_of(targets.chosen(context), root))
         self.next = 0  # how many of the wanted frames of the current object have been begun
         self.baker: frames.FrameBaker | None = None
@@ -91,9 +90,8 @@ class FrameBatch(Pieces):
             raise InputError(f'The object "{piece.name}" is gone; it has no frames.')
         if piece.failure:
             raise InputError(piece.failure)
-        maps = surface_maps.MapChoice(material=self.material_maps)
-        source = frames.source_of(target, frame_source(scene.paradesc_animation))
-        request = frames.FrameRequest(self.settings, piece.folder, source, *self.options, maps if maps.any else None)
+        source = frames.source_of(target, self.request.source)
+        request = replace(self.request, folder=piece.folder, source=source)
         self.baker = baker = frames.FrameBaker(scene, target, request)
         piece.cache_key = baker.key
         with baker, nullcontext() if self.beside else baker.evaluating():

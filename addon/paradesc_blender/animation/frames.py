@@ -11,11 +11,12 @@ import bpy
 import numpy as np
 
 from paradesc.bridge import InputError, MeshArrays, ParadescError
-from paradesc.core import job, source_kinds
+from paradesc.core import source_kinds
 from paradesc.core.digests import digest
 from paradesc.files.frame_baking import Baker, FrameRequest, Task, at_frame
+from paradesc.files.reading import Read
 
-from ..scene import delivery, mesh_io, source_meshes, surface_maps
+from ..scene import mesh_io, source_meshes, surface_maps
 from . import pausing
 
 OWN_VERTICES = (
@@ -40,9 +41,8 @@ class FrameBaker(Baker):
     """Bakes frames of one object. Its own mesh is the rest pose, from which all frames take radii and rest values."""
 
     def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
-        source_meshes.check_source(request.source)
         self.scene, self.target = scene, target
-        self.reading: source_meshes.Reading | None = None
+        self.former: Read | None = None
         super().__init__(target.name, target.data.name, request)
 
     def read_base(self, needs_uvs: bool) -> MeshArrays:
@@ -51,18 +51,12 @@ class FrameBaker(Baker):
         self.add_maps(base)
         return base
 
-    def on_base(self, results: job.Results, reading: source_meshes.Reading) -> job.Results:
-        """The results at the object's own vertices, where those are still there."""
-        return delivery.on_original(results, reading)
-
     def add_maps(self, arrays: MeshArrays) -> None:
         """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""
-        if self.request.maps is None or not self.request.maps.any:
-            return
         notes = surface_maps.add_maps(self.target, arrays, self.request.maps)
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise InputError("Normal maps are followed in single bakes only; leave them out to bake frames.")
-        self.notes += [note for note in notes if note not in self.notes]
+        self.tell(notes)
 
     def prepare(self, frame: int) -> Task | None:
         """Goes to the frame and reads the object there; None if its file exists already. Main thread only."""
@@ -71,20 +65,24 @@ class FrameBaker(Baker):
             self.scene.frame_set(frame)
             bpy.context.view_layer.update()
             moved = time.perf_counter()
-            args = (self.normals, self.needs_uvs, self.base, self.reading)
+            args = (self.request.source, self.normals, self.needs_uvs, self.base, self.former)
             try:
-                reading = source_meshes.read(self.target, self.request.source, *args)
+                read = source_meshes.read(self.target, *args)
             except ParadescError as error:
                 raise at_frame(frame, error) from error
-        self.take(reading)
-        arrays = reading.arrays
-        content = digest(arrays.positions, arrays.corner_normals, reading.vertices)
+        self.former, arrays = read, read.arrays  # the next frame is read faster with it
+        content = digest(arrays.positions, arrays.corner_normals, read.vertices)
         if arrays.corner_vertices is not self.base.corner_vertices:
+            if self.request.relative:
+                raise InputError(
+                    f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
+                    f"with; choose the source {source_kinds.in_words('deformed')}."
+                )
+            self.add_maps(arrays)
             content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
-        read = time.perf_counter()
-        if self.is_kept(frame, content):
-            return None
-        return Task(frame, reading, content, {"depsgraph": moved - start, "read": read - moved})
+        self.tell(read.notes if read.own else [OWN_VERTICES])
+        seconds = {"depsgraph": moved - start, "read": time.perf_counter() - moved}
+        return None if self.is_kept(frame, content) else Task(frame, read, content, seconds)
 
     @contextmanager
     def evaluating(self) -> Iterator[None]:
@@ -94,21 +92,8 @@ class FrameBaker(Baker):
             if hidden:
                 names = source_meshes.quoted(hidden)
                 sentence = f"Measured without the modifiers that change the vertices: {names}."
-                self.notes += [sentence] if sentence not in self.notes else []
+                self.tell([sentence])
             yield
-
-    def take(self, reading: source_meshes.Reading) -> None:
-        """Keeps a frame's reading and its notes. The next frame is read faster with it."""
-        if reading.arrays.corner_vertices is not self.base.corner_vertices:
-            if self.request.relative:
-                raise InputError(
-                    f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
-                    f"with; choose the source {source_kinds.in_words('deformed')}."
-                )
-            self.add_maps(reading.arrays)
-        self.reading = reading
-        notes = reading.notes if reading.own else [OWN_VERTICES]
-        self.notes += [note for note in notes if note not in self.notes]
 
 
 @contextmanager

@@ -10,16 +10,17 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from paradesc.bridge import InputError, MeshArrays, Options, ParadescError, ProgressFunction
+from paradesc.bridge import InputError, Options, ParadescError, ProgressFunction
 from paradesc.core import advice, color_maps, fitting
 from paradesc.core.color_maps import Look, ValueRange
 from paradesc.core.job import Results, Settings, registry_row
 from paradesc.core.latest import Latest, Outcome, is_cancelled
 from paradesc.core.stream import Stream
 from paradesc.files.frame_baking import with_fixed_radii
+from paradesc.files.reading import Read, on_original
 
 from ..bake import sculpt_mask
-from ..scene import carrying, delivery, mesh_io, ownership, record, source_meshes, surface_maps
+from ..scene import carrying, delivery, mesh_io, ownership, record, surface_maps
 from ..scene.arrays import set_values
 from ..settings import looks, properties
 from . import painting, surfaces
@@ -37,8 +38,7 @@ RADII = "live_radii"
 class LiveRequest:
     """The input of one live computation."""
 
-    arrays: MeshArrays  # of the undeformed mesh, or of the mesh that modifiers made at first
-    vertices: np.ndarray | None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
+    read: Read  # the undeformed mesh, or the mesh that modifiers made at first
     kept: dict[str, object]  # what RADII keeps; {}: radii follow from the arrays
     positions: np.ndarray  # (vertex_count, 3) float32
     corner_normals: np.ndarray | None  # (corner_count, 3) float32, where they are asked for
@@ -50,7 +50,7 @@ class LiveRequest:
         """Whether the results would be the same."""
         return (
             other is not None
-            and self.arrays is other.arrays
+            and self.read is other.read
             and self.settings == other.settings
             and np.array_equal(self.positions, other.positions)
         )
@@ -64,13 +64,10 @@ class Session:
         self.prepared: LiveRequest | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
         self.in_window: tuple[object, ...] = ()  # the topology that was not a render's
-        self.arrays: MeshArrays | None = None  # as LiveRequest has them
-        self.vertices: np.ndarray | None = None
-        self.keeps_own = True  # the original vertices are among the arrays', not only near them
-        self.earlier: dict[str, np.ndarray] = {}  # what was carried to them when they were read, by attribute
+        self.read: Read | None = None  # as LiveRequest has it
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
-        self.rest: np.ndarray | None = None  # (original_count, 3) float32 when they were read
+        self.rest: np.ndarray | None = None  # (original_count, 3) float32 when it was read
         self.done: LiveRequest | None = None  # the request that the results belong to
         self.results: Results | None = None
         self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
@@ -142,7 +139,7 @@ class Session:
     # The type is in quotes because typing remembers it, and would keep bpy alive past Python's end, which crashes.
     def take(self, outcome: "Outcome[LiveRequest, Results] | None") -> bool:
         """Keeps the results of a request; False if there are none, or if the mesh has been read again since."""
-        if outcome is None or outcome.request.arrays is not self.arrays:
+        if outcome is None or outcome.request.read is not self.read:
             return False
         if outcome.error is not None:
             if is_cancelled(outcome.error):
@@ -169,7 +166,7 @@ class Session:
         painting.follow_bake(scene.paradesc_live, look, target.data, self.asked_names())
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
         fresh_on_mesh = fresh or self.unpainted
-        self.painter.carried = self.done.vertices is not None
+        self.painter.carried = self.done.read.vertices is not None
         extras = list(mesh_io.extras_on(target.data, self.results))
         changed = self.painter.paint(target, self.values(self.own(), extras), ranges, fresh_on_mesh)
         self.unpainted = False
@@ -191,24 +188,25 @@ class Session:
         A render never makes a carrier. If it finds one that does not fit, because the render has another subdivision
         level, Blender interpolates the values of the object's own vertices there.
         """
-        arrays, names, mesh = self.done.arrays, values.names(self.painter.at), carrying.carrier_of(target)
+        read, names, mesh = self.done.read, values.names(self.painter.at), carrying.carrier_of(target)
+        arrays = read.arrays
         counts = (len(arrays.positions), len(arrays.corner_vertices))
         fits = mesh is not None and painting.has_all(mesh, names)
         fits = fits and counts == carrying.counts_of(carrying.modifier_of(target).node_group)
         if rendering and not fits:
-            if self.keeps_own:
+            if read.own:
                 return
             raise surfaces.lost(target)
         if not fits:
-            earlier = {name: array for name, array in self.earlier.items() if name not in names}
-            mesh = delivery.carrier_mesh(target, arrays, not self.keeps_own, earlier)
+            earlier = {name: array for name, array in read.earlier.items() if name not in names}
+            mesh = delivery.carrier_mesh(target, arrays, not read.own, earlier)
             mesh_io.make_attributes(mesh, names)
         ownership.forget(mesh, names)
         for name, array in self.painter.attribute_values(values):
             set_values(mesh.attributes[name], array)
         if not fits:
             painting.leave_record(mesh, values, self.painter.ranges, self.painter.at)
-            carrying.carry(target, mesh, counts, not self.keeps_own)
+            carrying.carry(target, mesh, counts, not read.own)
         mesh.update()
 
     def show_radius(self, scene: bpy.types.Scene) -> None:
@@ -218,7 +216,7 @@ class Session:
         if not follows_mesh(asked) or (radius, unit) == self.shown_radius:
             return
         self.shown_radius = (radius, unit)
-        edge, diagonal = advice.mean_edge_and_diagonal(self.done.arrays)
+        edge, diagonal = advice.mean_edge_and_diagonal(self.done.read.arrays)
         length = {"diagonal": diagonal, "mean-edge": edge}.get(unit, 1.0)
         options = replace(found.options, radius=radius / length, radius_unit=unit)
         properties.show_radius(scene.paradesc, replace(found, options=options))
@@ -230,52 +228,47 @@ class Session:
         settings = settings_for(scene, rendering)
         with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
             positions, normals = surface.positions, surface.normals(settings)
-            arrays = self.follow_mesh(target, surface, settings)
-            if arrays is not None:
-                self.earlier = carrying.carried_values(target, surface.mesh) if surface.generated else {}
-        if arrays is not None:
-            self.take_mesh(target, arrays, rendering if surface.generated else None)
+            read = self.follow_mesh(target, surface, settings)
+        if read is not None:
+            self.take_mesh(target, read, rendering if surface.generated else None)
         if target.mode == "SCULPT":
-            settings = sculpt_mask.quick(settings, len(self.arrays.triangle_corners), FINE)
-        known = (self.arrays, self.vertices, self.kept)
-        return LiveRequest(*known, positions, normals, settings, is_quick(scene, rendering), chosen(scene, rendering))
+            settings = sculpt_mask.quick(settings, len(self.read.arrays.triangle_corners), FINE)
+        quick, asked = is_quick(scene, rendering), chosen(scene, rendering)
+        return LiveRequest(self.read, self.kept, positions, normals, settings, quick, asked)
 
-    def follow_mesh(
-        self, target: bpy.types.Object, surface: surfaces.Surface, settings: Settings
-    ) -> MeshArrays | None:
+    def follow_mesh(self, target: bpy.types.Object, surface: surfaces.Surface, settings: Settings) -> Read | None:
         """Reads the mesh if more than positions may have changed, else None. Without edits only counts are compared."""
         topology = surfaces.topology_of(target, surface, settings, measures_maps(target))
-        known = self.arrays is not None and topology == self.topology and surface.has_corners_of(self.arrays)
+        known = self.read is not None and topology == self.topology and surface.has_corners_of(self.read.arrays)
         settled = not self.edited or target.mode == "SCULPT"
         if known and settled and (self.results is None or painting.has_all(target.data, self.painter.written)):
             return None
         mesh_io.check_writable(target)
-        arrays = surface.read(target, settings)
+        read = surface.read(target, settings)
+        arrays = read.arrays
         surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise InputError("Live mode does not follow normal maps; switch Material Maps off.")
         self.edited = self.unsure = False
         if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
             self.close()
-        elif self.arrays is not None and np.array_equal(mesh_io.read_positions(target.data), self.rest):
+        elif self.read is not None and np.array_equal(mesh_io.read_positions(target.data), self.rest):
             return None
         self.topology = topology
-        return arrays
+        return read
 
-    def take_mesh(self, target: bpy.types.Object, arrays: MeshArrays, rendering: bool | None) -> None:
+    def take_mesh(self, target: bpy.types.Object, read: Read, rendering: bool | None) -> None:
         """Starts again with this mesh, at radii that no pose changes. rendering: None for the object's own mesh."""
         rest, self.kept = mesh_io.read_positions(target.data), {}
-        if rendering is None:
-            self.vertices, self.keeps_own = None, True
-        else:
-            self.vertices, self.keeps_own = surfaces.places_of(target, arrays, rendering)
+        if rendering is not None:
+            read.vertices, read.own = surfaces.places_of(target, read.arrays, rendering)
             same = self.rest is not None and np.array_equal(rest, self.rest) and self.topology == self.in_window
-            begins = self.arrays is None
-            if begins or rendering or same:  # renders, which may subdivide otherwise, have the radii of the window
+            # Renders, which may subdivide otherwise, have the radii of the window.
+            if self.read is None or rendering or same:
                 self.kept = self.radii or record.read(target.data).get(RADII, {})
         if not rendering:
             self.in_window = self.topology
-        self.arrays, self.rest, self.shown_radius = arrays, rest, None
+        self.read, self.rest, self.shown_radius = read, rest, None
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
         """Computes at the radius of the undeformed mesh, which does not change with the pose. Runs on any thread."""
@@ -283,9 +276,9 @@ class Session:
         settings, prepared = request.settings, self.prepared
         if self.stream is None or device_of(self.stream.settings) != device_of(settings):
             self.close_stream()
-            self.stream = Stream(request.arrays, settings, shared=True)
+            self.stream = Stream(request.read.arrays, settings, shared=True)
             prepared = None
-        new = prepared is None or prepared.arrays is not request.arrays or prepared.settings != settings
+        new = prepared is None or prepared.read is not request.read or prepared.settings != settings
         if new:
             self.prepared = None
             self.stream.settings = settings
@@ -309,7 +302,7 @@ class Session:
             own = replace(options, radius=radii[0], radius_unit="absolute")
             found = replace(asked, options=own, more_radii=tuple(radii[1:]), radius_fit=fitting.FITTED)
         else:
-            found = with_fixed_radii(self.stream, request.arrays, asked)
+            found = with_fixed_radii(self.stream, request.read.arrays, asked)
         self.radii = {"asked": words, "radii": [float(radius) for radius in (found.options.radius, *found.more_radii)]}
         return found
 
@@ -342,8 +335,7 @@ class Session:
 
     def own(self) -> Results:
         """The results at the original vertices."""
-        reading = source_meshes.Reading(self.done.arrays, "evaluated", self.done.vertices)
-        return delivery.on_original(self.results, reading)
+        return on_original(self.results, self.done.read.vertices)
 
     def values(self, results: Results, extras: list[str]) -> painting.Values:
         """The results as painting writes them, with the extras of these names."""
@@ -351,7 +343,7 @@ class Session:
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
             {name: values for name, values in results.extras.items() if name in extras},
-            {**record.facts_of(results), **({} if self.vertices is None else {RADII: self.radii})},
+            {**record.facts_of(results), **({} if self.read.vertices is None else {RADII: self.radii})},
             lambda name, shown: record.drawing_of(shown, results, names[name]),
         )
 

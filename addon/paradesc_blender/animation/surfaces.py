@@ -13,6 +13,7 @@ import numpy as np
 from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
 from paradesc.core.job import Settings, needs_uvs
+from paradesc.files.reading import Read
 
 from ..scene import arrays, carrying, delivery, mesh_io, sculpt_masks, source_meshes
 from ..settings.snapshot import identity
@@ -30,12 +31,13 @@ class Surface:
     positions: np.ndarray  # (vertex_count, 3) float32
     posed: bpy.types.Mesh  # the same mesh at these positions, whose normals are used where the settings ask for them
 
-    def read(self, target: bpy.types.Object, settings: Settings) -> MeshArrays:
+    def read(self, target: bpy.types.Object, settings: Settings) -> Read:
         """The surface as arrays. The object's own mesh is read at rest."""
         wanted = (settings.options.normals == "mesh", needs_uvs(settings))
-        if self.generated:
-            return mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
-        return mesh_io.read_object(target, *wanted)
+        if not self.generated:
+            return Read(mesh_io.read_object(target, *wanted))
+        made = mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
+        return Read(made, earlier=carrying.carried_values(target, self.mesh))
 
     def normals(self, settings: Settings) -> np.ndarray | None:
         """(corner_count, 3) float32 where the settings ask for them."""
@@ -78,17 +80,14 @@ def source_of(scene: bpy.types.Scene) -> str:
 
 def own_positions(target: bpy.types.Object) -> np.ndarray:
     """(vertex_count, 3) float32 of the mesh before modifiers: of the shape key that is sculpted, or of the basis."""
-    keys = target.data.shape_keys
-    if keys is None:
-        return mesh_io.read_positions(target.data)
-    key = target.active_shape_key if target.mode == "SCULPT" else keys.reference_key
-    return arrays.read_array((key or keys.reference_key).data, "co", np.float32, 3)
+    key = source_meshes.shape_key(target, active=target.mode == "SCULPT")
+    return mesh_io.read_positions(target.data) if key is None else arrays.read_array(key.data, "co", np.float32, 3)
 
 
 def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> np.ndarray:
     """(vertex_count, 3) float32 of the original vertices in object space after all modifiers."""
     count, found = len(target.data.vertices), len(evaluated.data.vertices)
-    if not (count == found and not cuts(target, rendering)) and not appends(target, count, found, rendering):
+    if cuts(target, rendering) or (count != found and not appends(target, count, found, rendering)):
         raise lost(target)
     return mesh_io.read_positions(evaluated.data)[:count]
 
@@ -129,7 +128,7 @@ def cuts(target: bpy.types.Object, rendering: bool) -> bool:
 
 def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> bool:
     """Whether anything moves the vertices of the object's own mesh; nodes may do so if they keep the number."""
-    own, kinds = target.data, {item.type for item in used(target, rendering)}
+    own, kinds = target.data, {item.type for item in source_meshes.shown_modifiers(target, rendering)}
     moved = own.shape_keys is not None or own.animation_data is not None
     nodes = "NODES" in kinds and len(evaluated.data.vertices) == len(own.vertices)
     return moved or nodes or bool(kinds - source_meshes.GENERATING - {"NODES"})
@@ -138,13 +137,7 @@ def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bo
 def changing(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
     """The modifiers in use that may change the vertices or faces of the object's own mesh."""
     kinds = {*source_meshes.GENERATING, "NODES"}
-    return [item for item in used(target, rendering) if item.type in kinds]
-
-
-def used(target: bpy.types.Object, rendering: bool) -> list[bpy.types.Modifier]:
-    """The modifiers that are enabled, without the one that carries values."""
-    shown = "show_render" if rendering else "show_viewport"
-    return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
+    return [item for item in source_meshes.shown_modifiers(target, rendering) if item.type in kinds]
 
 
 # ---- Where there is none

@@ -6,8 +6,9 @@ from functools import partial
 import bpy
 
 from paradesc.core import job
+from paradesc.files.reading import Read, ReadRequest
 
-from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
+from ..scene import delivery, mesh_io, modes, surface_maps, targets
 from ..settings import looks, properties
 from .pieces import ObjectKey, Piece, Pieces, Work, computed, find, key_of
 
@@ -17,7 +18,7 @@ class MeshBake(Piece):
     """One mesh of a bake: the object that stands for it, and the results."""
 
     sharing: list[ObjectKey]  # all chosen objects with this mesh
-    reading: source_meshes.Reading | None = None
+    read: Read | None = None
 
 
 class Batch(Pieces):
@@ -27,7 +28,7 @@ class Batch(Pieces):
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=True)
+        self.request = ReadRequest(group.shape_key, maps, source, placing=True)
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
@@ -37,11 +38,11 @@ class Batch(Pieces):
         """Reads a mesh and computes."""
         target = find(piece.key)
         mesh_io.check_writable(target)
-        read = targets.read(target, self.settings, self.request)
-        piece.reading, piece.notes, piece.warnings, arrays = read.reading, read.notes, read.warnings, read.measured
+        piece.read = read = targets.read(target, self.settings, self.request)
+        piece.notes, piece.warnings = read.notes, read.warnings
         sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
-        piece.notes += targets.shared_note(sharing, self.settings.space, read.reading.source)
-        piece.results = yield from computed(partial(job.run, arrays, self.settings))
+        piece.notes += targets.shared_note(sharing, self.settings.space, read.source)
+        piece.results = yield from computed(partial(job.run, read.measured, self.settings))
         piece.results.warnings += [*piece.results.facet_notes(), *piece.warnings]
         piece.warnings = piece.results.warnings
         piece.notes += [*piece.results.notes, *piece.results.unused_notes()]
@@ -62,4 +63,4 @@ class Batch(Pieces):
     def write(self, piece: MeshBake) -> None:
         """Writes one mesh's attributes."""
         piece.results.look = self.look
-        piece.notes += delivery.deliver(find(piece.key), piece.results, piece.reading)
+        piece.notes += delivery.deliver(find(piece.key), piece.results, piece.read)

@@ -6,6 +6,7 @@ import bpy
 
 from paradesc.bridge import ParadescError
 from paradesc.core import advice, fitting, members
+from paradesc.files.reading import ReadRequest
 
 from ..scene import targets
 from ..settings import presets, properties, translation
@@ -88,7 +89,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reads the mesh by its source, and shows the radius that the next bake will have."""
         group, target = context.scene.paradesc, targets.first(context)
-        request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source, placing=False)
+        request = ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source, placing=False)
         try:
             settings = properties.job_settings(group)
             arrays = targets.read(target, settings, request).measured

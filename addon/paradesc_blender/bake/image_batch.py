@@ -9,9 +9,10 @@ from pathlib import Path
 import bpy
 
 from paradesc.bridge import InputError
-from paradesc.core import job, transfer
+from paradesc.core import job
 from paradesc.core.color_maps import MASKS
 from paradesc.files import file_names, image_files, marks
+from paradesc.files.reading import ReadRequest, part_of
 from paradesc.files.results import file_fault, write_whole
 
 from ..scene import image_nodes, image_results, images, pairs, surface_maps, targets, uv_maps
@@ -33,27 +34,9 @@ class TextureBake(Piece):
     over: uv_maps.Over | None = None  # the UV map that they lie over
     seconds: float = 0.0  # how long that and the computation lasted
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
-    images: list[bpy.types.Image] = field(default_factory=list)  # the finished images
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
+    kept: image_results.ImageBake | None = None  # once its images are loaded, as the mesh keeps it
     material: str = ""  # the name of the one that has the images now
-
-    def result(self, size: int) -> image_results.ImageBake:
-        """The record of the bake that the mesh keeps, made once its images are loaded."""
-        found = self.textures.results
-        masks = [MASKS.issuperset(textures[0].holds) for textures in self.textures.by_name().values()]
-        seen = zip(masks, self.textures.extremes(), strict=True)
-        return image_results.ImageBake(
-            names=[image.name for image in self.images],
-            holds=[",".join(textures[0].holds) for textures in self.textures.by_name().values()],
-            size=size,
-            seconds=self.seconds,
-            uv_map=self.over.name,
-            cage=0.0 if found.transfer is None else found.transfer.cage,
-            notes="\n".join(self.told),
-            warnings="\n".join(self.warnings),
-            percent=100 * found.radius / found.mesh_report["diagonal"],
-            drawn={str(place): shares for place, (is_mask, shares) in enumerate(seen) if is_mask},
-        )
 
 
 class ImageBatch(Pieces):
@@ -66,7 +49,7 @@ class ImageBatch(Pieces):
         """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=False)
+        self.request = ReadRequest(group.shape_key, maps, source, placing=False)
         self.choice = image_files.Choice(
             group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
         )
@@ -130,32 +113,24 @@ class ImageBatch(Pieces):
                 raise InputError(fault)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
         read, piece.over = uv_maps.read_over(target, self.settings, own)
-        piece.told = [piece.over.note] if piece.over.note else []
-        piece.notes, piece.warnings = [*read.notes, *piece.told], [] if piece.highs else read.warnings
+        mesh, piece.told = read.measured, [piece.over.note] if piece.over.note else []
+        piece.notes, piece.warnings = [*read.notes, *piece.told], read.warnings
         if piece.highs:
-            return self.measuring_onto(piece, pairs.part_of(target, read))
+            highs = [(high, targets.read(high, self.settings, self.request)) for high in map(find, piece.highs)]
+            piece.notes += [note for _, one in highs for note in one.notes]
+            piece.warnings = [line for _, one in highs for line in one.warnings]
+            mesh = image_files.Onto(part_of(target, read), [part_of(*one) for one in highs], self.cage)
         run = image_files.run if self.rounds == 1 else image_files.computed
-        return partial(run, piece.stem, read.measured, self.settings, self.choice)
-
-    def measuring_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., object]:
-        """Reads the detailed meshes of a piece; returns the work that measures them."""
-        highs = []
-        for high in map(find, piece.highs):
-            read = targets.read(high, self.settings, self.request)
-            piece.notes += read.notes
-            piece.warnings += read.warnings
-            highs.append(pairs.part_of(high, read))
-        run = image_files.run if self.rounds == 1 else image_files.computed
-        return partial(run, piece.stem, image_files.Onto(low, highs, self.cage), self.settings, self.choice)
+        return partial(run, piece.stem, mesh, self.settings, self.choice)
 
     def close(self) -> None:
         """Cancels the remaining work, waits for it, and removes new UV maps that no image uses. Safe to call again."""
         super().close()
         for piece in self.pieces:
-            if piece.over is not None and piece.over.made and not piece.images:
+            if piece.over is not None and piece.over.made and piece.kept is None:
                 with self.attempt(piece):
                     target, name = find(piece.key), piece.over.name
-                    kept = (other for other in self.pieces if other.images and other.over.name == name)
+                    kept = (other for other in self.pieces if other.kept is not None and other.over.name == name)
                     if all(find(other.key).data != target.data for other in kept):
                         uv_maps.remove(target, name)
                 piece.over = None
@@ -170,19 +145,32 @@ class ImageBatch(Pieces):
 
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
-        target = find(piece.key)
-        made = piece.textures.by_name()
-        piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
+        target, results, made = find(piece.key), piece.textures.results, piece.textures.by_name()
+        loaded = [self.loaded(piece, name, textures) for name, textures in made.items()]
+        holds = [textures[0].holds for textures in made.values()]
+        seen = enumerate(zip(holds, piece.textures.extremes(), strict=True))
+        piece.kept = image_results.ImageBake(
+            names=[image.name for image in loaded],
+            holds=[",".join(names) for names in holds],
+            size=self.choice.size,
+            seconds=piece.seconds,
+            uv_map=piece.over.name,
+            cage=0.0 if results.transfer is None else results.transfer.cage,
+            notes="\n".join(piece.told),
+            warnings="\n".join(piece.warnings),
+            percent=100 * results.radius / results.mesh_report["diagonal"],
+            drawn={str(place): shares for place, (names, shares) in seen if MASKS.issuperset(names)},
+        )
         if self.to_material:
             layer = target.data.uv_layers.get(piece.over.name)
             # Materials that name no map would render another one.
             uv_map = piece.over.name if layer is not None and not layer.active_render else ""
-            rows = zip(piece.images, made.values(), strict=True)
-            found = [image_nodes.Texture(image, own[0].holds, uv_map, piece.over.repeats) for image, own in rows]
+            rows = zip(loaded, holds, strict=True)
+            found = [image_nodes.Texture(image, names, uv_map, piece.over.repeats) for image, names in rows]
             piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
-        image_results.keep(target.data, piece.result(self.choice.size))
+        image_results.keep(target.data, piece.kept)
 
-    def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
+    def loaded(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
         """Writes and loads the file of a texture, or those of its tiles; without a folder they are packed instead.
 
         They get the first name that is free, or that of the same object's earlier, unchanged bake.

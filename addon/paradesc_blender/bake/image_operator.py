@@ -32,8 +32,8 @@ class ImageJob(MaskOption, RadiusOption, ModalJob):
         if not self.report_pieces(batch):
             return {"CANCELLED"}
         for piece in batch.written:
-            made = piece.result(batch.choice.size)
-            image_preview.reveal(find(piece.key), piece.images[piece.textures.most_telling()], made.uv_map, made.cage)
+            made, shown = piece.kept, piece.textures.most_telling()
+            image_preview.reveal(find(piece.key), bpy.data.images[made.names[shown]], made.uv_map, made.cage)
         self.report({"WARNING" if batch.failed else "INFO"}, image_sentence(batch))
         return {"FINISHED"}
 

@@ -101,7 +101,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Needs a chosen mesh that is linked or an override."""
-        found = any(targets.unwritable(target) for target in targets.chosen(context))
+        found = any(mesh_io.unwritable(target) for target in targets.chosen(context))
         return translation.can_run(cls, "" if found else "Every selected mesh is already local")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -109,7 +109,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
         names = []
         copies: dict[bpy.types.Mesh, bpy.types.Mesh] = {}
         try:
-            for target in [item for item in targets.chosen(context) if targets.unwritable(item)]:
+            for target in [item for item in targets.chosen(context) if mesh_io.unwritable(item)]:
                 names.append(make_local(target, copies).name)
         except ParadescError as error:
             self.report({"ERROR"}, translation.said(error.sentence))

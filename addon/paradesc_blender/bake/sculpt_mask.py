@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from paradesc.core import job
+from paradesc.files.reading import ReadRequest
 
 from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties, translation
@@ -33,7 +34,7 @@ class MaskBatch(Pieces):
 
     def work_on(self, piece: Piece) -> Work:
         """Reads the mesh, with the shape key that is sculpted, and computes."""
-        read = targets.read(find(piece.key), self.settings, targets.ReadRequest("active"))
+        read = targets.read(find(piece.key), self.settings, ReadRequest("active"))
         settings = quick(self.settings, len(read.measured.triangle_corners))
         piece.results = yield from computed(partial(job.run, read.measured, settings))
         piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *read.warnings]

@@ -113,7 +113,7 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, counts: tuple[int, int
     group = group_for(own, kinds, by_place)
     group.nodes[CARRIER].inputs["Object"].default_value = carrier
     for name, count in zip(COUNTS, counts, strict=True):
-        integers(group.nodes[name])[1].default_value = count
+        of_type(group.nodes[name].inputs, "INT")[1].default_value = count
     for item in [target, *(other for other in sharing(target.data) if other != target and other.modifiers)]:
         place(item, group)
     sweep()
@@ -121,7 +121,7 @@ def carry(target: bpy.types.Object, mesh: bpy.types.Mesh, counts: tuple[int, int
 
 def counts_of(group: bpy.types.NodeTree) -> tuple[int, int]:
     """The counts in the nodes of a group."""
-    points, corners = (integers(group.nodes[name])[1].default_value for name in COUNTS)
+    points, corners = (of_type(group.nodes[name].inputs, "INT")[1].default_value for name in COUNTS)
     return points, corners
 
 
@@ -129,11 +129,9 @@ def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
     """Makes our modifier with this group the object's last one, visible, and the only one of ours."""
     for modifier in [item for item in target.modifiers if is_ours(item)]:
         if modifier == target.modifiers[-1]:
-            former = modifier.node_group
             modifier.node_group, modifier.show_viewport, modifier.show_render = group, True, True
-            remove_unused(former)
             return
-        remove_modifier(target, modifier, keep=group)
+        target.modifiers.remove(modifier)
     add_modifier(target, group, MODIFIER).show_expanded = False
 
 
@@ -146,7 +144,7 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
         modifier, carried = modifier_of(target), carried_names(target)
         gone = [name for name in carried if name in names]
         if modifier is not None and len(gone) == len(carried):
-            remove_modifier(target, modifier)
+            target.modifiers.remove(modifier)
         elif gone:
             held, group = carrier_of(target), modifier.node_group
             held = held.copy() if own_group(target) is None else held
@@ -177,33 +175,16 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
     return group if group.users == used and carrier is not None and carrier.users == 1 else None
 
 
-def remove_modifier(
-    target: bpy.types.Object, modifier: bpy.types.NodesModifier, keep: bpy.types.NodeTree | None = None
-) -> None:
-    """Removes our modifier, and its group unless it is the one to keep."""
-    group = modifier.node_group
-    target.modifiers.remove(modifier)
-    if group != keep:
-        remove_unused(group)
-
-
 def sweep() -> None:
-    """Removes our groups whose modifiers somebody has deleted, with their carriers."""
+    """Removes our groups that no modifier uses any more, with their carriers unless those are used otherwise."""
     for group in [one for one in bpy.data.node_groups if not one.users and is_own(one)]:
-        remove_unused(group)
-
-
-def remove_unused(group: bpy.types.NodeTree) -> None:
-    """Removes a group that is no longer used, and its carrier if that is not used otherwise."""
-    if group.users:
-        return
-    carrier = held_by(group)
-    bpy.data.node_groups.remove(group)
-    if carrier is not None and carrier.users == 0:
-        mesh = carrier.data
-        bpy.data.objects.remove(carrier)
-        if mesh.users == 0:
-            bpy.data.meshes.remove(mesh)
+        carrier = held_by(group)
+        bpy.data.node_groups.remove(group)
+        if carrier is not None and carrier.users == 0:
+            mesh = carrier.data
+            bpy.data.objects.remove(carrier)
+            if mesh.users == 0:
+                bpy.data.meshes.remove(mesh)
 
 
 # ---- Nodes
@@ -254,14 +235,14 @@ def same_counts(group: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bp
     for row, name in enumerate(COUNTS):
         place = (-600, 200 - 200 * row)
         equal = add_node(group, "FunctionNodeCompare", place, name=name, data_type="INT", operation="EQUAL")
-        group.links.new(size.outputs[name], integers(equal)[0])
+        group.links.new(size.outputs[name], of_type(equal.inputs, "INT")[0])
         group.links.new(equal.outputs[0], both.inputs[row])
     return both.outputs[0]
 
 
-def integers(node: bpy.types.Node) -> list[bpy.types.NodeSocket]:
-    """The two whole numbers that a node compares."""
-    return [socket for socket in node.inputs if socket.type == "INT"]
+def of_type(sockets: Iterable[bpy.types.NodeSocket], kind: str) -> list[bpy.types.NodeSocket]:
+    """The sockets of this type that a node uses; some have others of each type, which they hide."""
+    return [socket for socket in sockets if socket.type == kind and socket.enabled]
 
 
 def store(
@@ -279,10 +260,7 @@ def store(
     link, (x, y) = group.links.new, place
 
     def value(sockets: Iterable[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
-        return next(item for item in sockets if item.type == socket_type and item.enabled and item.name == "Value")
-
-    def only(sockets: Iterable[bpy.types.NodeSocket], kind: str = socket_type) -> list[bpy.types.NodeSocket]:
-        return [item for item in sockets if item.type == kind and item.enabled]
+        return of_type(sockets, socket_type)[0]
 
     named = add_node(group, "GeometryNodeInputNamedAttribute", (x - 600, y), data_type=data_type)
     by_index = add_node(group, "GeometryNodeSampleIndex", (x - 400, y), data_type=data_type, domain="POINT")
@@ -290,16 +268,16 @@ def store(
     stored = add_node(group, "GeometryNodeStoreNamedAttribute", (x, y), data_type=data_type, domain="POINT")
     named.inputs["Name"].default_value = stored.inputs["Name"].default_value = name
     link(held, by_index.inputs["Geometry"])
-    link(only(named.outputs)[0], value(by_index.inputs))
+    link(value(named.outputs), value(by_index.inputs))
     link(index, by_index.inputs["Index"])
     other = named
     if by_place:
         other = add_node(group, NEAREST, (x - 400, y - 200), data_type=data_type)
         link(held, other.inputs["Mesh"])
-        link(only(named.outputs)[0], value(other.inputs))
-    link(same, only(chosen.inputs, "BOOLEAN")[0])
-    for sampled, socket in zip((other, by_index), only(chosen.inputs), strict=True):
-        link(only(sampled.outputs)[0], socket)
+        link(value(named.outputs), value(other.inputs))
+    link(same, of_type(chosen.inputs, "BOOLEAN")[0])
+    for sampled, socket in zip((other, by_index), of_type(chosen.inputs, socket_type), strict=True):
+        link(value(sampled.outputs), socket)
     link(geometry, stored.inputs["Geometry"])
-    link(only(chosen.outputs)[0], value(stored.inputs))
+    link(value(chosen.outputs), value(stored.inputs))
     return stored.outputs["Geometry"]

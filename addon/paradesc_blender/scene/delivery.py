@@ -8,35 +8,41 @@ import numpy as np
 
 from paradesc.bridge import MeshArrays
 from paradesc.core.job import Results
+from paradesc.files.reading import Read, on_original
 
-from . import carrying, mesh_io, modes, ownership, record, source_meshes
+from . import carrying, mesh_io, modes, ownership, record
 from .arrays import set_values
 from .unwrap import fill
 
 COPY_SUFFIX = "_paradesc"
 
 
-def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+def deliver(target: bpy.types.Object, results: Results, read: Read | None = None) -> list[str]:
     """Writes the results where they belong, or nothing on failure; returns notes about what was kept beside them.
 
     Those of a generated mesh are carried to it. The object's own vertices get their values, or the nearest ones.
     """
-    if not reading.generated:
-        return mesh_io.write_results(target, results)
     mesh_io.check_writable(target)
-    arrays, is_lost = reading.arrays, reading.vertices is None
+    mesh, is_generated = target.data, read is not None and (not read.own or read.vertices is not None)
     with modes.object_mode(target):
-        if is_lost:
-            reading = replace(reading, vertices=nearest(target.data, arrays))
-        own, triangles = on_original(results, reading), arrays.triangle_vertices
-        mesh_io.check_count(target.data, own)
-        at = mesh_io.places(target.data, results.values, mesh_io.extras_on(target.data, results))
-        drawn = mesh_io.drawing(results, arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES])
-        mesh_io.write_at(target.data, own, at, drawn)
-        mesh = carrier_mesh(target, arrays, is_lost, reading.earlier)
-        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
-        carrying.carry(target, mesh, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
-        return mesh_io.moved_notes(at)
+        own, surface = results, None
+        if is_generated:
+            arrays, is_lost = read.arrays, read.vertices is None
+            own = on_original(results, nearest(mesh, arrays) if is_lost else read.vertices)
+            triangles = arrays.triangle_vertices
+            surface = arrays.positions, triangles[:: 1 + len(triangles) // mesh_io.ENOUGH_FACES]
+        mesh_io.check_count(mesh, own)
+        extras = mesh_io.extras_on(mesh, results)
+        at = mesh_io.places(mesh, results.values, extras)
+        drawn = mesh_io.drawing(results, *(surface or mesh_io.surface_of(mesh)))
+        mesh_io.write_at(mesh, own, at, drawn)
+        if is_generated:
+            carrier = carrier_mesh(target, arrays, is_lost, read.earlier)
+            mesh_io.write_at(carrier, replace(results, unwrapped=None), at, drawn)
+            carrying.carry(target, carrier, (len(arrays.positions), len(arrays.corner_vertices)), is_lost)
+        else:
+            carrying.release(mesh, mesh_io.attribute_names(results.values, extras, at))
+    return mesh_io.moved_notes(at)
 
 
 def carrier_mesh(
@@ -54,30 +60,6 @@ def carrier_mesh(
         set_values(mesh.attributes[name], values)
     record.take_over(target.data, mesh)
     return mesh
-
-
-def on_original(results: Results, reading: source_meshes.Reading) -> Results:
-    """The results at the object's own vertices."""
-    if reading.vertices is None:
-        return results
-    at = reading.vertices
-    corners = results.corners
-    if corners is not None:
-        painted = corners.painted[at]
-        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
-        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
-        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
-        corners = replace(corners, vertices=own, painted=painted)
-    return replace(
-        results,
-        values={name: values[at] for name, values in results.values.items()},
-        coverage=results.coverage[at],
-        areas_of=None if results.areas_of is None else lambda: results.areas_of()[at],
-        mask=results.mask[at],
-        near_seam=None if results.near_seam is None else results.near_seam[at],
-        unwrapped=None,  # a layout of the evaluated mesh, which cannot be stored
-        corners=corners,
-    )
 
 
 def nearest(mesh: bpy.types.Mesh, arrays: MeshArrays) -> np.ndarray:

@@ -10,11 +10,11 @@ from paradesc.core import color_maps, uv_faults
 from paradesc.core.advice import double_areas
 from paradesc.core.job import UNDEFINED_MASK, Results, registry_name
 
-from . import carrying, modes, ownership, record, unwrap
+from . import ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
 
-# The range of each descriptor's colors, and the part of the record about their making, by name.
-Drawing = dict[str, tuple[color_maps.ValueRange, dict[str, object]]]
+# The range of each descriptor's colors, and the parts of the record about their making, by name.
+Drawing = tuple[dict[str, color_maps.ValueRange], dict[str, dict[str, object]]]
 
 
 def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
@@ -124,15 +124,20 @@ def read_edges(mesh: bpy.types.Mesh) -> np.ndarray:
 # ---- Writing
 
 
-def check_writable(target: bpy.types.Object) -> None:
-    """Raises if the object's mesh would lose the results when the file is loaded again."""
+def unwritable(target: bpy.types.Object) -> str:
+    """The reason why the object's mesh would lose the results when the file is loaded again, or ""."""
     mesh = target.data
     if mesh.library is not None or target.library is not None:
-        raise InputError(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
+        return f'The mesh "{mesh.name}" is linked from another file; make it local first.'
     if mesh.override_library is not None:
-        raise InputError(
-            f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
-        )
+        return f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
+    return ""
+
+
+def check_writable(target: bpy.types.Object) -> None:
+    """Raises if the object's mesh would lose the results."""
+    if unwritable(target):
+        raise InputError(unwritable(target))
 
 
 def wanted_kind(name: str) -> tuple[str, str]:
@@ -167,28 +172,15 @@ def moved_notes(at: dict[str, str]) -> list[str]:
     ]
 
 
-def write_results(target: bpy.types.Object, results: Results) -> list[str]:
-    """Writes the results to the object's mesh; returns notes about moved attributes. A failure changes nothing."""
-    check_writable(target)
-    with modes.object_mode(target):
-        check_count(target.data, results)
-        extras = extras_on(target.data, results)
-        at = places(target.data, results.values, extras)
-        write_at(target.data, results, at, drawing(results, *surface_of(target.data)))
-        carrying.release(target.data, attribute_names(results.values, extras, at))
-    return moved_notes(at)
-
-
 def drawing(results: Results, positions: np.ndarray, triangles: np.ndarray) -> Drawing:
-    """The range of each value's colors and its part of the record, from the surface that surface_of() gives."""
-    found = {}
-    for name, values in results.values.items():
-        shown = results.shown(name)
-        row = record.drawing_of(shown, results, name)
+    """The ranges of all values' colors and their parts of the record, from the surface that surface_of() gives."""
+    ranges, told = {name: results.shown(name) for name in results.values}, {}
+    for name, shown in ranges.items():
+        told[name] = record.drawing_of(shown, results, name)
         if results.look.is_automatic(shown.diverging):  # recoloring goes back to this range
-            row["automatic"] = [shown.minimum, shown.maximum]
-        found[name] = (shown, row | extremes(positions, triangles, values, shown))
-    return found
+            told[name]["automatic"] = [shown.minimum, shown.maximum]
+        told[name] |= extremes(positions, triangles, results.values[name], shown)
+    return ranges, told
 
 
 def check_count(mesh: bpy.types.Mesh, results: Results) -> None:
@@ -205,12 +197,12 @@ def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: 
     layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
     for name, values in (results.values | extras).items():  # all exist: creating one moves the others in memory
         set_values(mesh.attributes[at[name]], values)
-    for name, (shown, _) in drawn.items():
+    ranges, told = drawn
+    for name, shown in ranges.items():
         write_colors(mesh, at[name], results.values[name], shown)
-    show(mesh, at[most_telling({name: row for name, (_, row) in drawn.items()})])
-    ranges = {at[name]: shown for name, (shown, _) in drawn.items()}
-    told = {at[name]: row for name, (_, row) in drawn.items()}
-    record.write(mesh, record.facts_of(results), ranges, told, names, layout)
+    show(mesh, at[most_telling(told)])
+    placed = ({at[name]: row for name, row in rows.items()} for rows in drawn)
+    record.write(mesh, record.facts_of(results), *placed, names, layout)
     ownership.leave(mesh, names)
     mesh.update()
 

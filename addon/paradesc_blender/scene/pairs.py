@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from paradesc.core import pair_names, transfer
+from paradesc.core import pair_names
 
 from . import targets
 
@@ -51,8 +51,3 @@ def by_name(objects: list[bpy.types.Object]) -> Pairs:
     named = {item.name: item for item in objects}
     found = pair_names.pairs_of(named)
     return {named[low]: [named[high] for high in highs] for low, highs in found.items()}
-
-
-def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
-    """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, np.array(target.matrix_world))

@@ -2,14 +2,14 @@
 
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import bmesh
 import bpy
 import numpy as np
 
-from paradesc.bridge import InputError, ParadescError, abi
+from paradesc.bridge import InputError, ParadescError
 from paradesc.core import source_kinds, welding
 from paradesc.core.standard_streams import quiet
 from paradesc.files import mesh_files
@@ -108,23 +108,21 @@ def begins_with_mark(path: Path) -> bool:
 
 def find_importer(suffix: str) -> object:
     """The operator that imports files of this suffix in this Blender."""
-    for name in IMPORTERS[suffix]:
-        if has_operator(name):
-            category, _, member = name.partition(".")
-            return getattr(getattr(bpy.ops, category), member)
-    raise InputError(
-        f"Blender {bpy.app.version_string} here was built without, or has switched off, its importer of {suffix}."
-    )
+    found = next(filter(None, map(operator_of, IMPORTERS[suffix])), None)
+    if found is None:
+        version = bpy.app.version_string
+        raise InputError(f"Blender {version} here was built without, or has switched off, its importer of {suffix}.")
+    return found
 
 
-def has_operator(name: str) -> bool:
-    """Whether this Blender has the operator. bpy.ops itself cannot tell, as it accepts any name."""
+def operator_of(name: str) -> object | None:
+    """The operator of this name; None if this Blender lacks it, which bpy.ops itself cannot tell."""
     category, _, member = name.partition(".")
-    try:
-        getattr(getattr(bpy.ops, category), member).get_rna_type()
-    except (KeyError, AttributeError):
-        return False
-    return True
+    with suppress(KeyError, AttributeError):
+        found = getattr(getattr(bpy.ops, category), member)
+        found.get_rna_type()
+        return found
+    return None
 
 
 def weld_meshes(before: list[bpy.types.Mesh]) -> list[str]:
@@ -178,11 +176,9 @@ def mesh_objects() -> list[bpy.types.Object]:
     return [item for item in bpy.context.scene.objects if item.type == "MESH"]
 
 
-def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
-    """The mesh object of this name. Without one: the active one if preferred, else that with the most vertices."""
+def choose_object(prefer_active: bool) -> bpy.types.Object:
+    """The active mesh object if it is preferred, else that with the most vertices."""
     meshes = mesh_objects()
-    if name is not None:
-        return find_object(name)
     active = bpy.context.view_layer.objects.active
     if prefer_active and active is not None and active.type == "MESH":
         return active
@@ -192,35 +188,19 @@ def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
     return max([item for item in meshes if item not in shapes] or meshes, key=lambda item: len(item.data.vertices))
 
 
-def find_object(name: str) -> bpy.types.Object:
-    """The mesh object of that name."""
-    found = bpy.context.scene.objects.get(name)
-    if found is not None and found.type != "MESH":
-        raise InputError(f'The object "{name}" is not a mesh.')
-    return found or find_among(mesh_objects(), name)
-
-
-def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = False) -> bpy.types.Object:
-    """The object of this name among these. numbered: a number that Blender appended to the name counts as well."""
-    found = [item for item in objects if item.name == name]
-    if not found and numbered:
-        found = [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
-    if not found:
-        known = ", ".join(f'"{item.name}"' for item in objects[:8]) or "none"
-        raise InputError(f'There is no object "{name}"; mesh objects: {known}.')
-    return found[0]
-
-
 def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Object], list[str]]:
     """Every mesh object of the view layer that renders and has faces with this source; notes about the others."""
-    shapes = bone_shapes()
+    shapes, depsgraph = bone_shapes(), bpy.context.evaluated_depsgraph_get()
     chosen, sentences = [], []
     for item in (item for item in bpy.context.view_layer.objects if item.type == "MESH"):
+        # Modifiers may create all faces.
+        shown = item.evaluated_get(depsgraph) if source == source_kinds.EVALUATED else item
+        measured = shown if shown.is_evaluated else item
         if item in shapes:
             reason = "is the shape of a bone"
         elif item.hide_render or all(collection.hide_render for collection in item.users_collection):
             reason = "is disabled in renders"
-        elif not has_faces(item, source):
+        elif measured.type != "MESH" or not measured.data.polygons:
             reason = "has no faces"
         else:
             chosen.append(item)
@@ -231,25 +211,7 @@ def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Obj
     return sorted(chosen, key=lambda item: item.name), sentences
 
 
-def has_faces(item: bpy.types.Object, source: str) -> bool:
-    """Whether a mesh object has faces with this source; modifiers may create all of them."""
-    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if source != source_kinds.EVALUATED or not evaluated.is_evaluated:
-        return bool(item.data.polygons)
-    return evaluated.type == "MESH" and bool(evaluated.data.polygons)
-
-
 def bone_shapes() -> set[bpy.types.Object]:
     """The objects that serve as custom shapes of bones; the importer of glTF creates one."""
     rigs = [item for item in bpy.context.scene.objects if item.type == "ARMATURE" and item.pose]
     return {bone.custom_shape for rig in rigs for bone in rig.pose.bones if bone.custom_shape}
-
-
-def save_blend(path: Path, verbose: bool = False) -> None:
-    """Saves the open scene as a .blend, first to a temporary file; the open scene keeps its own path."""
-    try:
-        with quiet(verbose):
-            bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)
-    except RuntimeError as error:
-        sentence = f'Blender cannot write "{path}": {reason(error)}.'
-        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error

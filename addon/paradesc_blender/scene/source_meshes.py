@@ -6,15 +6,15 @@ carries values to that mesh, changes no position and no face, so it does not cou
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from paradesc.bridge import InputError, MeshArrays
 from paradesc.core import source_kinds
-from paradesc.core.source_kinds import NAMES
+from paradesc.files.reading import Read
 
 from . import carrying, mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
@@ -31,54 +31,30 @@ EXACT = 1 << 24
 BASE = source_kinds.in_words(source_kinds.ORIGINAL)
 
 
-@dataclass
-class Reading:
-    """A mesh to measure, and where its results belong."""
-
-    arrays: MeshArrays
-    source: str
-    vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices, if these are not the same
-    own: bool = True  # every original vertex is among the arrays'
-    earlier: dict[str, np.ndarray] = field(default_factory=dict)  # values of earlier bakes that are carried
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def generated(self) -> bool:
-        """Whether modifiers created vertices other than the object's own."""
-        return self.vertices is not None or not self.own
-
-
-def check_source(source: str) -> None:
-    """Raises if there is no source of this name."""
-    if source not in NAMES:
-        raise InputError(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
-
-
 def read(
     target: bpy.types.Object,
     source: str,
     corner_normals: bool = False,
     needs_uvs: bool = True,
     base: MeshArrays | None = None,
-    former: Reading | None = None,
+    former: Read | None = None,
     placing: bool = True,
-) -> Reading:
+) -> Read:
     """The object's mesh from this source, in object space at the current frame. The scene stays as it is.
 
     base, the object's own mesh as it was read, and former, the reading of the former frame, need not be read again at
     each frame. Without placing, the places of results on the object are not looked for, and modifiers are evaluated
     less often.
     """
-    check_source(source)
 
     def original() -> MeshArrays:
         return mesh_io.read_object(target, corner_normals, needs_uvs) if base is None else base
 
     if source == "original":
-        return Reading(original(), source)
+        return Read(original(), source)
     if target.data.is_editmode or target.mode == "SCULPT":
         note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
-        return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
+        return Read(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())
     # Modifiers that are known to make vertices are evaluated only once: the marks are there by then.
@@ -86,7 +62,7 @@ def read(
     marks = marks_of(target) if placing and generating and former is None else None
     with marked(target.data, marks), evaluated_mesh(target) as mesh:
         if same_vertices(mesh, target.data):
-            return Reading(moved(mesh, original()), source)
+            return Read(moved(mesh, original()), source)
         arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
         vertices = None if marks is None else carried(mesh, marks)
         earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
@@ -96,11 +72,11 @@ def read(
         if is_same and np.array_equal(known.corner_vertices, arrays.corner_vertices):
             return replace(former, arrays=arrays)
     if not placing:
-        return Reading(arrays, source, own=False)
+        return Read(arrays, source, own=False)
     vertices = origins(target) if vertices is None else vertices
     is_lost = not len(vertices) or bool((vertices < 0).any())
     notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
-    return Reading(arrays, source, None if is_lost else vertices, not is_lost, earlier, notes)
+    return Read(arrays, source, None if is_lost else vertices, not is_lost, earlier, notes=notes)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
@@ -109,7 +85,7 @@ def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
     return replace(base, positions=mesh_io.read_positions(mesh), corner_normals=normals)
 
 
-def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
+def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Read:
     """Reads the object's own faces (base) at the positions to which deforming modifiers and shape keys move them."""
     with only_deforming(target) as hidden, evaluated_mesh(target) as mesh:
         if not same_vertices(mesh, target.data):
@@ -120,7 +96,7 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
                 f"source {others}."
             )
         notes = [f"Measured without the modifiers that change the vertices: {quoted(hidden)}."] if hidden else []
-        return Reading(moved(mesh, base), "deformed", notes=notes)
+        return Read(moved(mesh, base), "deformed", notes=notes)
 
 
 def quoted(names: list[str]) -> str:
@@ -154,39 +130,29 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
 @contextmanager
 def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
     """Temporarily hides modifiers that change vertices or faces, and always shows them again; yields their names."""
-    generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
-    hidden: list[bpy.types.Modifier] = []
-    silenced: list[bpy.types.FCurve] = []
-    try:
-        hide(generating, hidden, silenced)
+    hidden: list[str] = []
+    with ExitStack() as ending:
+        ending.callback(lambda: hidden and bpy.context.view_layer.update())
+        hidden += hide([modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING], ending)
         nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
         if nodes:
             with evaluated_mesh(target) as mesh:
                 changed = not same_vertices(mesh, target.data)
-            if changed:
-                hide(nodes, hidden, silenced)
-        yield [modifier.name for modifier in hidden]
-    finally:
-        for modifier in hidden:
-            modifier.show_viewport = True
-        for curve in silenced:
-            curve.mute = False
-        if hidden:
-            bpy.context.view_layer.update()
+            hidden += hide(nodes, ending) if changed else []
+        yield hidden
 
 
-def hide(
-    modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier], silenced: list[bpy.types.FCurve]
-) -> None:
-    """Hides the modifiers and adds them to hidden; mutes what would show them again, and adds that to silenced."""
+def hide(modifiers: list[bpy.types.Modifier], ending: ExitStack) -> list[str]:
+    """Hides the modifiers, mutes what would show them again, and returns their names; the end undoes all of it."""
     for modifier in modifiers:
         for curve in showing(modifier):
             curve.mute = True
-            silenced.append(curve)
+            ending.callback(setattr, curve, "mute", False)
         modifier.show_viewport = False
-        hidden.append(modifier)
+        ending.callback(setattr, modifier, "show_viewport", True)
     if modifiers:
         bpy.context.view_layer.update()
+    return [modifier.name for modifier in modifiers]
 
 
 def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
@@ -211,9 +177,16 @@ def curves_of(animation: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
             yield from bag.fcurves
 
 
-def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers that are enabled in the viewport, without ours."""
-    return [modifier for modifier in target.modifiers if modifier.show_viewport and not carrying.is_ours(modifier)]
+def shown_modifiers(target: bpy.types.Object, rendering: bool = False) -> list[bpy.types.Modifier]:
+    """The modifiers that are enabled in the viewport, or in renders, without the one that carries values."""
+    shown = "show_render" if rendering else "show_viewport"
+    return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
+
+
+def shape_key(target: bpy.types.Object, active: bool) -> bpy.types.ShapeKey | None:
+    """The active shape key, or the basis; None without shape keys."""
+    keys = target.data.shape_keys
+    return keys and ((active and target.active_shape_key) or keys.reference_key)
 
 
 def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:

@@ -1,13 +1,12 @@
 """Finds the meshes to bake from the selection, each once, or the reasons why they cannot be baked; and reads them."""
 
-from dataclasses import dataclass, field
-
 import bpy
 import numpy as np
 
 from paradesc import bridge
 from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.core import job, source_kinds, spaces
+from paradesc.files.reading import Read, ReadRequest
 
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
@@ -100,64 +99,31 @@ def obstacle(context: bpy.types.Context) -> str:
     sentence = reading_obstacle(context)
     if sentence:
         return sentence
-    refused = [unwritable(target) for target in chosen(context)]
+    refused = [mesh_io.unwritable(target) for target in chosen(context)]
     return refused[0] if all(refused) else ""
-
-
-def unwritable(target: bpy.types.Object) -> str:
-    """The reason why the object's mesh would not keep written values, or ""."""
-    try:
-        mesh_io.check_writable(target)
-    except ParadescError as error:
-        return error.sentence
-    return ""
 
 
 # ---- Reading
 
 
-@dataclass
-class ReadRequest:
-    """The options for reading an object, apart from those of the computation. Plain values, which survive an undo."""
-
-    shape_key: str = "basis"  # or "active"
-    maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
-    source: str = source_kinds.ORIGINAL  # or another of NAMES, or AUTOMATIC
-    buffers: bool = False  # whether the baked buffers will be written
-    placing: bool = True  # whether results will be written to the object's vertices
-    remedy: str = "measure in World"  # the remedy that a sentence suggests if the scale is ignored
-
-
-@dataclass
-class Read:
-    """One object's mesh."""
-
-    arrays: bridge.MeshArrays  # in object space, as files hold it
-    measured: bridge.MeshArrays  # the same in the space that is measured
-    reading: source_meshes.Reading  # where its results belong
-    notes: list[str]  # sentences about what was measured
-    warnings: list[str]  # about differences between the measured and the visible surface
-    map_notes: list[str]  # about the images
-
-
 def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
     """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
-    needs_uvs = job.needs_uvs(settings, request.buffers)
     source = request.source
     if source == source_kinds.AUTOMATIC:
         source = shown_source(target, request.shape_key)
-    corner_normals = settings.options.normals == "mesh"
-    reading = source_meshes.read(target, source, corner_normals, needs_uvs, placing=request.placing)
-    arrays, notes = reading.arrays, list(reading.notes)
-    if reading.source == "original":
-        notes += take_shape(target, arrays, request.shape_key)
-    map_notes = surface_maps.add_maps(target, arrays, request.maps)
-    if arrays.maps is not None and arrays.maps.normals is not None and reading.source != "original":
+    needs_uvs = job.needs_uvs(settings, request.buffers)
+    found = source_meshes.read(target, source, settings.options.normals == "mesh", needs_uvs, placing=request.placing)
+    found.source_notes = list(found.notes)
+    if found.source == "original":
+        found.notes += take_shape(target, found.arrays, request.shape_key)
+    found.map_notes = surface_maps.add_maps(target, found.arrays, request.maps)
+    maps = found.arrays.maps
+    if maps is not None and maps.normals is not None and found.source != "original":
         base = source_meshes.BASE
         raise InputError(f"A normal map belongs to the base mesh; choose the source {base}, or leave the map out.")
-    matrix = target.matrix_world
-    measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
-    return Read(arrays, measured, reading, notes, warnings, map_notes)
+    in_space = (target.matrix_world, target.name, settings.space, request.remedy)
+    found.measured, found.warnings = spaces.measured(found.arrays, *in_space)
+    return found
 
 
 def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
@@ -177,16 +143,14 @@ def shows_shape_key(target: bpy.types.Object) -> bool:
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
     """Takes the positions of the chosen shape key; returns a note if another shape is shown."""
-    keys = target.data.shape_keys
-    if keys is None:
+    key = source_meshes.shape_key(target, active=shape == "active")
+    if key is None:
         return []
-    active = target.active_shape_key
-    key = active if shape == "active" and active is not None else keys.reference_key
     if len(key.data) != len(arrays.positions):
         sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
         raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
     arrays.positions = read_array(key.data, "co", np.float32, 3)
-    if key != keys.reference_key:
+    if key != target.data.shape_keys.reference_key:
         return [f'The shape key "{key.name}" was measured, at its full value.']
     if shows_shape_key(target):
         return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']

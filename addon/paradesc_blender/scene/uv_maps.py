@@ -10,6 +10,7 @@ import numpy as np
 from paradesc import bridge
 from paradesc.bridge import InputError
 from paradesc.core import job, source_kinds, texel_centers, udim
+from paradesc.files.reading import Read, ReadRequest
 
 from . import mesh_io, modes, targets, unwrap
 
@@ -33,8 +34,8 @@ class Over:
 
 
 def read_over(
-    target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest
-) -> tuple[targets.Read, Over]:
+    target: bpy.types.Object, settings: job.Settings, request: ReadRequest
+) -> tuple[Read, Over]:
     """Reads a mesh over its active UV map, or over one of ours if that is unusable; makes one if there is none.
 
     Raises one sentence if the mesh cannot get a map, or if its user has several maps to choose from.
@@ -68,7 +69,7 @@ def read_over(
     return over(read, name, True, f'New UV map "{name}": the mesh {reason}.{said}')
 
 
-def over(read: targets.Read, name: str, made: bool = False, note: str = "") -> tuple[targets.Read, Over]:
+def over(read: Read, name: str, made: bool = False, note: str = "") -> tuple[Read, Over]:
     """The mesh that was read, and the facts about its map."""
     tiling = udim.of_mesh(read.measured)
     return read, Over(name, not tiling.first and not tiling.tiles, made, note)

@@ -9,7 +9,7 @@ from ..animation import sessions
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, progress_text
 from ..bake.pieces import Pieces
-from ..scene import large_faces, pairs, sculpt_masks, targets
+from ..scene import large_faces, mesh_io, pairs, sculpt_masks, targets
 from ..settings import presets, research
 from ..settings.translation import label
 from . import image_result
@@ -123,7 +123,7 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     sentence, chosen = targets.obstacle(context), targets.chosen(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
-    if any(targets.unwritable(target) for target in chosen):
+    if any(mesh_io.unwritable(target) for target in chosen):
         layout.operator("paradesc.make_local", icon="LINK_BLEND")
     skipped = targets.skipped(context)
     if skipped:
