@@ -70,10 +70,10 @@ def native_value(row: Row, value: object) -> object:
         return value.encode()
     if isinstance(row.default, float):
         return value
-    if row.name != "seed":
+    if not row.unsigned:
         return int32(value, row.what)
     if not 0 <= value < 2**32:
-        raise unusable(f"The seed {value} is not between 0 and {2**32 - 1}.")
+        raise unusable(f"The {row.what} {value} is not between 0 and {2**32 - 1}.")
     return value
 
 
