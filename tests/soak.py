@@ -246,7 +246,7 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
     settings = random_settings(chance, arrays, backend)
     if arrays.maps is not None:
         settings.options.evaluate = "vertex"
-    if backend == "cpu" and bridge.needs_texture_space(settings.options):
+    if backend == "cpu" and job.backend_for(replace(settings, backend="auto")) != "cpu":
         settings = replace(settings, backend="software")
     return way(arrays, settings, chance)
 

@@ -42,16 +42,6 @@ Options = make_dataclass(
 )
 
 
-def needs_texture_space(options: Options, buffers: bool = False) -> bool:
-    """Returns whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
-    return (
-        buffers
-        or options.relocation != "connected"
-        or options.precision == "half"
-        or options.adaptive > 0
-    )
-
-
 def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False) -> abi.ComputeOptions:
     """The options as a C struct; buffers: whether the baked buffers will be read."""
     native = new_struct(library, abi.ComputeOptions)

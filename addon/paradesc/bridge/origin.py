@@ -13,24 +13,20 @@ ROUNDING_THAT_SHOWS = 1e-3
 
 
 def far_center(points: np.ndarray) -> np.ndarray | None:
-    """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span; None of others."""
-    if len(points) == 0 or is_around_origin(points):
+    """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span; None of others.
+
+    A sample shows of most that they are not far, as this runs several times for each frame. The middle of a box is at
+    most half of its width away from any point, so a box that lies far from the origin has no point nearer to it.
+    """
+    if len(points) == 0:
         return None
-    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+    some = points[:: len(points) // 64 + 1].astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
+        if np.abs(some).max(axis=1).min() <= np.ptp(some / 2, axis=0).max():
+            return None
+        low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
         center = low / 2 + high / 2
         return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
-
-
-def is_around_origin(points: np.ndarray) -> bool:
-    """Returns whether a sample of (n, 3) positions shows that they are not far. It runs several times for each frame.
-
-    The middle of a box is at most half of its width away from any point, so a box that lies far from the origin has no
-    point nearer to it than that.
-    """
-    some = points[:: len(points) // 64 + 1].astype(np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return bool(np.abs(some).max(axis=1).min() <= np.ptp(some / 2, axis=0).max())
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from .options import BACKENDS, Options, choice, int32, native_options
 
 # The buffers that Mesh.read_buffer reads, with their number of values for each texel.
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
+BACKEND_NAMES = {number: name for name, number in BACKENDS.items()}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
 # Ctrl-C, and what else asks a process to end.
@@ -60,7 +61,7 @@ class Field(Made):
     @property
     def backend(self) -> str:
         """The backend that computed."""
-        return backend_name(int(self.report()["backend"]))
+        return BACKEND_NAMES[int(self.report()["backend"])]
 
     @property
     def device(self) -> str:
@@ -146,7 +147,7 @@ class Mesh(Made):
         native = native_options(self._library, options or Options(), buffers)
         number = ctypes.c_int32()
         check(self._library, self._library.pdesc_mesh_backend(self._pointer, byref(native), byref(number)))
-        return backend_name(number.value)
+        return BACKEND_NAMES[number.value]
 
     def compute(
         self,
@@ -217,7 +218,7 @@ class Context(Closing):
     @property
     def backend(self) -> str:
         """The backend in use."""
-        return backend_name(self._library.pdesc_context_backend(self._pointer))
+        return BACKEND_NAMES[self._library.pdesc_context_backend(self._pointer)]
 
     @property
     def device(self) -> str:
@@ -254,11 +255,6 @@ def allowed_memory(limit: int) -> int:
     triangle = MeshArrays(np.eye(3, dtype=np.float32), np.arange(3, dtype=np.int32), np.arange(3, dtype=np.int32)[None])
     with Context("reference", memory_limit=limit) as context, context.mesh(triangle) as mesh:
         return mesh.memory(["mean_curvature"])["allowed"]
-
-
-def backend_name(number: int) -> str:
-    """The name of a pdesc_backend."""
-    return next((name for name, value in BACKENDS.items() if value == number), str(number))
 
 
 def as_dict(struct: ctypes.Structure) -> dict[str, float | int]:
