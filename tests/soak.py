@@ -156,7 +156,6 @@ def whole(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.
 def in_thread(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
     """Runs a bake on a thread of its own, as under Blender's window."""
     worker = Worker(partial(job.run, arrays, settings))
-    worker.start()
     worker.result()
     return "done in a thread"
 

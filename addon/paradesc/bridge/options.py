@@ -5,7 +5,7 @@ from dataclasses import make_dataclass
 
 from . import abi
 from .library import new_struct, unusable
-from .option_table import TABLE, Row
+from .option_table import TABLE
 
 # C's numbers of backends and of choices are their places, from 0.
 BACKENDS = {name: number for number, name in enumerate(("auto", "gpu", "software", "reference", "cpu"))}
@@ -47,24 +47,18 @@ def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
     for row in TABLE:
-        setattr(native, row.name, native_value(row, getattr(options, row.name)))
+        value = getattr(options, row.name)
+        if row.choices:
+            value = choice(CHOICES[row.name][0], value, row.what)
+        elif isinstance(row.default, str):
+            value = value.encode()
+        elif row.unsigned and not 0 <= value < 2**32:
+            raise unusable(f"The {row.what} {value} is not between 0 and {2**32 - 1}.")
+        elif isinstance(row.default, int) and not row.unsigned:
+            value = int32(value, row.what)
+        setattr(native, row.name, value)
     native.buffers = int(buffers)
     return native
-
-
-def native_value(row: Row, value: object) -> object:
-    """The value of an option as C has it."""
-    if row.choices:
-        return choice(CHOICES[row.name][0], value, row.what)
-    if isinstance(row.default, str):
-        return value.encode()
-    if isinstance(row.default, float):
-        return value
-    if not row.unsigned:
-        return int32(value, row.what)
-    if not 0 <= value < 2**32:
-        raise unusable(f"The {row.what} {value} is not between 0 and {2**32 - 1}.")
-    return value
 
 
 def choice(names: dict[str, int], name: str, what: str) -> int:

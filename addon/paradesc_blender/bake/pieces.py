@@ -48,7 +48,6 @@ Work = Iterator[Worker | None]  # on the main thread; each worker that it yields
 def computed(work: Callable[[ProgressFunction], object], name: str = "paradesc") -> Generator[Worker, None, object]:
     """Computes beside the main thread, and returns the result."""
     worker = Worker(work, name)
-    worker.start()
     yield worker
     return worker.result()
 
