@@ -29,7 +29,7 @@ from paradesc.numpy_api import options as of_compute
 
 assert bridge.Options().hue == 3
 assert abi.ComputeOptions._fields_[-1] == ("hue", ctypes.c_int32)
-assert options.native_options(bridge.load_library(), bridge.Options(hue=5)).hue == 5
+assert options.native_options(bridge.Options(hue=5)).hue == 5
 words = {"name": "Hue", "description": "What hue is", "default": 3, "min": 1, "max": 9}
 assert members.method_members()["hue"].words == words
 rule = preset_rules.rules()["settings"]["hue"]

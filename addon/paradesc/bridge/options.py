@@ -1,6 +1,5 @@
 """Defines how to compute: the names of all choices in Python, and the options as a C struct."""
 
-import ctypes
 from dataclasses import make_dataclass
 
 from . import abi
@@ -42,9 +41,9 @@ Options = make_dataclass(
 )
 
 
-def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False) -> abi.ComputeOptions:
+def native_options(options: Options, buffers: bool = False) -> abi.ComputeOptions:
     """The options as a C struct; buffers: whether the baked buffers will be read."""
-    native = new_struct(library, abi.ComputeOptions)
+    native = new_struct(abi.ComputeOptions)
     native.radius = options.radius
     for row in TABLE:
         value = getattr(options, row.name)
