@@ -240,7 +240,8 @@ def with_one_scale(look: Look, found: list[Results]) -> Look:
 
 def registry_row(name: str) -> bridge.Descriptor:
     """The registry's row of a descriptor, at any radius. The row of a change is signed, with 0 as its neutral value."""
-    found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    stem = registry_name(name)
+    found = next(row for row in bridge.descriptors() if row.name == stem)
     if name == found.name or not NUMBER.sub("", name).endswith(CHANGE):
         return found
     nan = float("nan")
@@ -272,11 +273,10 @@ def run(
     if sized == balance.AUTO:
         progress = span_of(progress, BALANCING, 1.0)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-
-        def compute(chosen: Settings) -> Results:
-            return run_on(mesh, arrays, chosen, progress, with_buffers)
-
-        return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
+        compute = partial(run_on, mesh, arrays, progress=progress, with_buffers=with_buffers)
+        if sized in fitting.NARROWED:
+            return fitting.narrowed(settings, compute, attrgetter("values"))
+        return compute(settings)
 
 
 def fitted(
@@ -366,17 +366,8 @@ def run_radii(
         with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii)), with_buffers) as found:
             report, backend, coverage, mask = found.report(), found.backend, found.values("coverage"), found.mask()
             if index == 0:
-                results = Results(
-                    settings=settings,
-                    values={},
-                    coverage=coverage,
-                    mask=mask,
-                    mesh_report=mesh.report(),
-                    field_report=report,
-                    backend=backend,
-                    device=found.device,
-                    warnings=[],
-                )
+                made = mesh.report(), report, backend, found.device
+                results = Results(settings, {}, coverage, mask, *made, warnings=[])
             results.coverage = np.minimum(results.coverage, coverage)
             results.mask = results.mask | mask
             results.field_reports[suffix] = report
