@@ -20,8 +20,6 @@ STAGE_WORDS = {
     "rays": "Finding the detailed mesh",
     "image": "Drawing the image",
     "write": "Drawing the image",
-    "write images": "Writing images",
-    "write buffers": "Writing buffers",
 }
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
 
