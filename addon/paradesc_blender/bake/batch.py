@@ -49,13 +49,17 @@ class Batch(Pieces):
 
     def finish(self, context: bpy.types.Context) -> None:
         """Writes the results of every mesh in the scene's colors; object mode lasts that long."""
-        look = looks.scene_look(context.scene)
+        self.look = looks.scene_look(context.scene)
         if context.scene.paradesc_looks.same_scale:
-            look = job.with_one_scale(look, [piece.results for piece in self.written])
+            self.look = job.with_one_scale(self.look, [piece.results for piece in self.written])
         if self.written:
             properties.show_radius(context.scene.paradesc, self.written[0].results.settings)
         with modes.object_mode():
             for piece in self.written:
                 with self.attempt(piece):
-                    piece.results.look = look
-                    piece.notes += delivery.deliver(find(piece.key), piece.results, piece.reading)
+                    self.write(piece)
+
+    def write(self, piece: MeshBake) -> None:
+        """Writes one mesh's attributes."""
+        piece.results.look = self.look
+        piece.notes += delivery.deliver(find(piece.key), piece.results, piece.reading)
