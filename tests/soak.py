@@ -156,7 +156,6 @@ def whole(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.
 def in_thread(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
     """Runs a bake on a thread of its own, as under Blender's window."""
     worker = Worker(partial(job.run, arrays, settings))
-    worker.start()
     worker.result()
     return "done in a thread"
 
@@ -246,7 +245,7 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
     settings = random_settings(chance, arrays, backend)
     if arrays.maps is not None:
         settings.options.evaluate = "vertex"
-    if backend == "cpu" and bridge.needs_texture_space(settings.options):
+    if backend == "cpu" and job.backend_for(replace(settings, backend="auto")) != "cpu":
         settings = replace(settings, backend="software")
     return way(arrays, settings, chance)
 

@@ -60,9 +60,9 @@ def test_units_follow_the_power_of_length():
 
 
 def test_defaults_are_those_of_the_library():
-    native = library.new_struct(bridge.load_library(), abi.ComputeOptions)
+    native = library.new_struct(abi.ComputeOptions)
     ours = bridge.Options()
-    made = options.native_options(bridge.load_library(), ours)
+    made = options.native_options(ours)
     native.map_descriptor = native.map_descriptor or made.map_descriptor  # without one, the library takes its own
     for name, _ in abi.ComputeOptions._fields_:
         assert getattr(native, name) == getattr(made, name), name

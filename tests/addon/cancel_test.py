@@ -30,7 +30,6 @@ paradesc_blender.register()
 options = bridge.Options(radius=0.2, samples=4096)
 arrays, settings = as_arrays(*cube_sphere(40)), job.Settings(("mean_curvature",), options, {backend!r})
 worker = threads.Worker(partial(job.run, arrays, settings))
-worker.start()
 while worker.fraction < {fraction}:
     time.sleep(0.01)
 sys.stdout.write(f"quits while computing: {{not worker.done}}\\n")

@@ -168,7 +168,6 @@ def test_labels_are_wrapped_without_losing_words():
 def test_worker_gives_results_and_progress(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
-    worker.start()
     results = worker.result()
     assert worker.done
     assert 0 < worker.fraction <= 1
@@ -178,7 +177,6 @@ def test_worker_gives_results_and_progress(sphere_object):
 def test_worker_cancelled_after_its_end_gives_no_results(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
-    worker.start()
     worker.result()
     worker.cancel()
     with pytest.raises(bridge.ParadescError):
@@ -189,7 +187,6 @@ def test_cancelled_worker_raises_cancelled(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
     worker.cancel()
-    worker.start()
     with pytest.raises(bridge.ParadescError) as caught:
         worker.result()
     assert caught.value.status == bridge.abi.STATUS_CANCELLED

@@ -10,7 +10,7 @@ import numpy as np
 from shapes import ADDON
 
 SCRIPT = """
-import argparse, importlib.util, sys
+import argparse, ctypes, importlib.util, sys
 from types import SimpleNamespace
 import paradesc
 NAME = "paradesc.bridge.option_table"
@@ -18,17 +18,18 @@ spec = importlib.util.spec_from_file_location(NAME, sys.argv[1] + "/paradesc/bri
 sys.modules[NAME] = table = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(table)
 more = {"limits": {"min": 1, "max": 9}, "words": {"metavar": "N"}}
-table.TABLE += (table.Row("hue", "method", 3, "hue", "Hue", "What hue is", "hue of the samples", **more),)
+table.TABLE += (table.Row(24, "hue", "method", 3, "hue", "Hue", "What hue is", "hue of the samples", **more),)
 
 from paradesc import bridge
-from paradesc.bridge import options
+from paradesc.bridge import abi, options
 from paradesc.commands.options import add_computation_options, settings_of
 from paradesc.core import choices, members
 from paradesc.files import preset_rules
 from paradesc.numpy_api import options as of_compute
 
 assert bridge.Options().hue == 3
-assert options.native_options(bridge.load_library(), bridge.Options(hue=5)).hue == 5
+assert abi.ComputeOptions._fields_[-1] == ("hue", ctypes.c_int32)
+assert options.native_options(bridge.Options(hue=5)).hue == 5
 words = {"name": "Hue", "description": "What hue is", "default": 3, "min": 1, "max": 9}
 assert members.method_members()["hue"].words == words
 rule = preset_rules.rules()["settings"]["hue"]
@@ -42,6 +43,7 @@ assert "hue of the samples" in parser.format_help()
 given = parser.parse_args(["--hue", "4"])
 assert settings_of(given).options.hue == 4
 assert of_compute.settings_of("mean_curvature", 0.1, {"hue": 6}).options.hue == 6
+of_compute.check_names(paradesc.compute, ["hue"])
 """
 
 

@@ -81,7 +81,7 @@ def test_sentences_with_names_in_them_are_found_by_what_stands_around():
     sentence = 'The mesh "The mesh "Cube"" is linked from another file; make it local first.'
     template = 'The mesh "{0}" is linked from another file; make it local first.'
     assert translation.matched(sentence) == (template, ('The mesh "Cube"',))
-    shown = translation.filled(sentence, lambda text, _context: text.replace("The mesh", "Das"))
+    shown = translation.translated(sentence, lambda text, _context: text.replace("The mesh", "Das"))
     assert shown.startswith('Das "The mesh "Cube""')
     assert translation.matched("The mesh is linked from another file; make it local first.") is None
     assert translation.matched(template) is None

@@ -72,7 +72,6 @@ def gaps(arrays: bridge.MeshArrays, settings: job.Settings) -> tuple[list[Gap], 
 def cancel_after(arrays: bridge.MeshArrays, settings: job.Settings, seconds: float) -> Cancel | None:
     """Cancels a worker after so many seconds; None if it had ended by then."""
     worker = Worker(partial(job.run, arrays, settings))
-    worker.start()
     time.sleep(seconds)
     if worker.done:
         return None

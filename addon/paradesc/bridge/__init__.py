@@ -13,7 +13,7 @@ from .library import (
     unusable,
 )
 from .option_table import TABLE, Row
-from .options import BACKENDS, CHOICES, METHODS, Options, needs_texture_space, uses_texture_space
+from .options import BACKENDS, CHOICES, METHODS, Options, uses_texture_space
 from .rays import Hits, cast_rays
 from .session import BUFFERS, Closing, Context, Field, Mesh, ProgressFunction, allowed_memory
 from .uv_images import TexelMap, draw_uv_image, fill_gutter

@@ -14,6 +14,8 @@ from ctypes import (
     c_void_p,
 )
 
+from .option_table import TABLE, Row
+
 ABI_VERSION = 1
 
 STATUS_OK = 0
@@ -39,6 +41,17 @@ FieldPointer = c_void_p
 
 # int32_t (*pdesc_progress)(void *user, const char *stage, double fraction)
 Progress = CFUNCTYPE(c_int32, c_void_p, c_char_p, c_double)
+
+
+# The members of pdesc_options that the table of options lacks, with their places.
+BESIDE_TABLE = [(0, "radius", c_double), (7, "seam_error", c_int32), (22, "buffers", c_int32)]
+
+
+def of_row(row: Row) -> tuple[int, str, type]:
+    """The place, name and type of an option in pdesc_options, where a choice is a number."""
+    whole = c_uint32 if row.unsigned else c_int32
+    kind = whole if row.choices else {int: whole, float: c_double, str: c_char_p}[type(row.default)]
+    return row.place, row.name, kind
 
 
 class DescriptorInfo(Structure):
@@ -122,35 +135,9 @@ class MeshReport(Structure):
 
 
 class ComputeOptions(Structure):
-    """pdesc_options"""
+    """pdesc_options: the table of options, and a few members that are none."""
 
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("radius", c_double),
-        ("radius_unit", c_int32),
-        ("samples", c_int32),
-        ("buffer_size", c_int32),
-        ("normals", c_int32),
-        ("max_jumps", c_int32),
-        ("seed", c_uint32),
-        ("seam_error", c_int32),
-        ("relocation", c_int32),
-        ("estimator", c_int32),
-        ("variance_reduction", c_int32),
-        ("geodesic", c_int32),
-        ("distance", c_int32),
-        ("pattern", c_int32),
-        ("ellipse", c_int32),
-        ("evaluate", c_int32),
-        ("texels", c_int32),
-        ("precision", c_int32),
-        ("adaptive", c_double),
-        ("map_descriptor", c_char_p),
-        ("map_sigma", c_double),
-        ("harris_k", c_double),
-        ("buffers", c_int32),
-        ("creases", c_int32),
-    ]
+    _fields_ = [("struct_size", c_uint32), *(member[1:] for member in sorted([*BESIDE_TABLE, *map(of_row, TABLE)]))]
 
 
 class FieldReport(Structure):

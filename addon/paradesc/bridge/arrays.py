@@ -1,6 +1,5 @@
 """Holds meshes as numpy arrays, and makes the C structs and pointers through which the native library reads them."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +58,9 @@ class MeshArrays:
         return self.corner_vertices[self.triangle_corners]
 
 
-def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput, list[np.ndarray]]:
+def native_mesh(arrays: MeshArrays) -> tuple[abi.MeshInput, list[np.ndarray]]:
     """The C struct of a mesh, and the arrays that must stay alive while the library reads it."""
-    native = new_struct(library, abi.MeshInput)
+    native = new_struct(abi.MeshInput)
     native.vertex_count = len(arrays.positions)
     native.corner_count, native.triangle_count = len(arrays.corner_vertices), len(arrays.triangle_corners)
     kept: list[np.ndarray] = []

@@ -233,10 +233,10 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
         )
 
 
-def check(library: ctypes.CDLL, status: int) -> None:
+def check(status: int) -> None:
     """Turns a pdesc_status into an exception that carries the library's sentence."""
     if status != abi.STATUS_OK:
-        sentence = text(library.pdesc_last_error()) or f"The native library failed with status {status}."
+        sentence = text(load_library().pdesc_last_error()) or f"The native library failed with status {status}."
         raise ParadescError(status, sentence)
 
 
@@ -245,11 +245,11 @@ def text(raw: bytes | None) -> str:
     return raw.decode("utf-8", "replace") if raw else ""
 
 
-def new_struct(library: ctypes.CDLL, kind: type[Struct]) -> Struct:
+def new_struct(kind: type[Struct]) -> Struct:
     """A struct with the library's defaults, and with spare room for members that only a newer library knows."""
     room = (ctypes.c_ubyte * (sizeof(kind) + GROWTH_ROOM))()
     struct = kind.from_buffer(room)
-    getattr(library, abi.STRUCTS[kind] + "_init")(byref(struct))
+    getattr(load_library(), abi.STRUCTS[kind] + "_init")(byref(struct))
     return struct
 
 
@@ -276,8 +276,8 @@ def descriptors() -> tuple[Descriptor, ...]:
     library = load_library()
     rows = []
     for index in range(library.pdesc_descriptor_count()):
-        info = new_struct(library, abi.DescriptorInfo)
-        check(library, library.pdesc_descriptor_get(index, byref(info)))
+        info = new_struct(abi.DescriptorInfo)
+        check(library.pdesc_descriptor_get(index, byref(info)))
         found = {row.name: getattr(info, row.name) for row in fields(Descriptor)}
         found.update(name=text(info.name), label=text(info.label), description=text(info.description))
         found.update(label=MASK_LABELS.get(found["name"], found["label"]), is_signed=bool(info.is_signed))

@@ -1,11 +1,10 @@
 """Defines how to compute: the names of all choices in Python, and the options as a C struct."""
 
-import ctypes
 from dataclasses import make_dataclass
 
 from . import abi
 from .library import new_struct, unusable
-from .option_table import TABLE, Row
+from .option_table import TABLE
 
 # C's numbers of backends and of choices are their places, from 0.
 BACKENDS = {name: number for number, name in enumerate(("auto", "gpu", "software", "reference", "cpu"))}
@@ -42,39 +41,23 @@ Options = make_dataclass(
 )
 
 
-def needs_texture_space(options: Options, buffers: bool = False) -> bool:
-    """Returns whether auto takes OpenGL for these options. pdesc_mesh_backend decides the same for an existing mesh."""
-    return (
-        buffers
-        or options.relocation != "connected"
-        or options.precision == "half"
-        or options.adaptive > 0
-    )
-
-
-def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False) -> abi.ComputeOptions:
+def native_options(options: Options, buffers: bool = False) -> abi.ComputeOptions:
     """The options as a C struct; buffers: whether the baked buffers will be read."""
-    native = new_struct(library, abi.ComputeOptions)
+    native = new_struct(abi.ComputeOptions)
     native.radius = options.radius
     for row in TABLE:
-        setattr(native, row.name, native_value(row, getattr(options, row.name)))
+        value = getattr(options, row.name)
+        if row.choices:
+            value = choice(CHOICES[row.name][0], value, row.what)
+        elif isinstance(row.default, str):
+            value = value.encode()
+        elif row.unsigned and not 0 <= value < 2**32:
+            raise unusable(f"The {row.what} {value} is not between 0 and {2**32 - 1}.")
+        elif isinstance(row.default, int) and not row.unsigned:
+            value = int32(value, row.what)
+        setattr(native, row.name, value)
     native.buffers = int(buffers)
     return native
-
-
-def native_value(row: Row, value: object) -> object:
-    """The value of an option as C has it."""
-    if row.choices:
-        return choice(CHOICES[row.name][0], value, row.what)
-    if isinstance(row.default, str):
-        return value.encode()
-    if isinstance(row.default, float):
-        return value
-    if row.name != "seed":
-        return int32(value, row.what)
-    if not 0 <= value < 2**32:
-        raise unusable(f"The seed {value} is not between 0 and {2**32 - 1}.")
-    return value
 
 
 def choice(names: dict[str, int], name: str, what: str) -> int:

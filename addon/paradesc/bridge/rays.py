@@ -31,17 +31,16 @@ class Hits:
 
     def values(self, values: np.ndarray) -> np.ndarray:
         """(n,) or (n, 3) float32 at the hits, of values (vertex_count,) or directions (vertex_count, 3)."""
-        library = load_library()
         width = 3 if values.ndim == 2 else 1
         given = shaped(values, np.float32, "values", (-1, 3) if width == 3 else (-1,))
-        native = new_struct(library, abi.RaysInput)
+        native = new_struct(abi.RaysInput)
         native.vertex_count, native.triangle_count = len(given), len(self.triangle_vertices)
         native.ray_count = len(self.triangles)
         native.triangle_vertices = address(self.triangle_vertices)
         met = np.empty((len(self.triangles), 3) if width == 3 else len(self.triangles), np.float32)
         triangles, weights = address(self.triangles), address(self.weights)
         source, out = address(given), address(met)
-        check(library, library.pdesc_rays_values(byref(native), triangles, weights, source, width, out, met.size))
+        check(load_library().pdesc_rays_values(byref(native), triangles, weights, source, width, out, met.size))
         return met
 
 
@@ -53,17 +52,16 @@ def cast_rays(
     progress: ProgressFunction | None = None,
 ) -> Hits:
     """Each ray's nearest hit, at most reach away, on triangles facing along it; rays: (n, 6) points and directions."""
-    library = load_library()
     points = shaped(positions, np.float32, "positions", (-1, 3))
     numbers = shaped(triangle_vertices, np.int32, "triangle_vertices", (-1, 3))
     given = shaped(rays, np.float32, "rays", (-1, 6))
-    native = new_struct(library, abi.RaysInput)
+    native = new_struct(abi.RaysInput)
     native.vertex_count, native.triangle_count, native.ray_count = len(points), len(numbers), len(given)
     native.positions, native.rays = address(points), address(given)
     native.triangle_vertices, native.reach = address(numbers), reach
     hits = Hits(numbers, np.empty(len(given), np.int32), np.empty((len(given), 3), np.float32))
     triangles, weights = address(hits.triangles), address(hits.weights)
     with Call(progress) as native.progress:
-        status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
-    check(library, status)
+        status = load_library().pdesc_rays_cast(byref(native), triangles, weights, len(given))
+    check(status)
     return hits

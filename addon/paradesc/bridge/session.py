@@ -18,6 +18,7 @@ from .options import BACKENDS, Options, choice, int32, native_options
 
 # The buffers that Mesh.read_buffer reads, with their number of values for each texel.
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
+BACKEND_NAMES = {number: name for name, number in BACKENDS.items()}
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
 # Ctrl-C, and what else asks a process to end.
@@ -34,10 +35,7 @@ class Closing(AbstractContextManager):
 class Made(Closing):
     """Base of what the library made for a mesh: close() frees it, or else Python, together with the object."""
 
-    def __init__(
-        self, library: ctypes.CDLL, pointer: ctypes.c_void_p, vertex_count: int, destroy: Callable[[object], None]
-    ) -> None:
-        self._library = library
+    def __init__(self, pointer: ctypes.c_void_p, vertex_count: int, destroy: Callable[[object], None]) -> None:
         self._pointer = pointer
         self.vertex_count = vertex_count
         self._finalizer = weakref.finalize(self, destroy, pointer)
@@ -53,45 +51,44 @@ class Field(Made):
 
     def report(self) -> dict[str, float | int]:
         """pdesc_field_report by member name."""
-        report = new_struct(self._library, abi.FieldReport)
-        check(self._library, self._library.pdesc_field_get_report(self._pointer, byref(report)))
+        report = new_struct(abi.FieldReport)
+        check(load_library().pdesc_field_get_report(self._pointer, byref(report)))
         return as_dict(report)
 
     @property
     def backend(self) -> str:
         """The backend that computed."""
-        return backend_name(int(self.report()["backend"]))
+        return BACKEND_NAMES[int(self.report()["backend"])]
 
     @property
     def device(self) -> str:
         """The name of the device that computed, for people."""
-        return text(self._library.pdesc_field_device(self._pointer))
+        return text(load_library().pdesc_field_device(self._pointer))
 
     def warnings(self) -> list[str]:
         """One sentence for each limit of these results."""
-        return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
+        return [line for line in text(load_library().pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
 
     def values(self, name: str) -> np.ndarray:
         """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
         width = components(name)
         values = np.empty(self.vertex_count if width == 1 else (self.vertex_count, width), np.float32)
         pointer = address(values)
-        check(self._library, self._library.pdesc_field_values(self._pointer, name.encode(), pointer, len(values)))
+        check(load_library().pdesc_field_values(self._pointer, name.encode(), pointer, len(values)))
         return values
 
     def mask(self) -> np.ndarray:
         """(vertex_count,) uint8 bits abi.MASK_*"""
         mask = np.empty(self.vertex_count, np.uint8)
-        status = self._library.pdesc_field_mask(self._pointer, address(mask), self.vertex_count)
-        check(self._library, status)
+        check(load_library().pdesc_field_mask(self._pointer, address(mask), self.vertex_count))
         return mask
 
     def map(self, name: str) -> np.ndarray:
         """(N, N) or (N, N, 3) float32 over the layout, rows from v = 0 up, NaN off the surface; of evaluate = texel."""
-        size, width = self._library.pdesc_field_map_size(self._pointer), components(name)
+        size, width = load_library().pdesc_field_map_size(self._pointer), components(name)
         values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
         pointer = address(values)
-        check(self._library, self._library.pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
+        check(load_library().pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
         return values
 
 
@@ -100,23 +97,20 @@ class Mesh(Made):
 
     def report(self) -> dict[str, float | int]:
         """pdesc_mesh_report by member name."""
-        report = new_struct(self._library, abi.MeshReport)
-        check(self._library, self._library.pdesc_mesh_get_report(self._pointer, byref(report)))
+        report = new_struct(abi.MeshReport)
+        check(load_library().pdesc_mesh_get_report(self._pointer, byref(report)))
         return as_dict(report)
 
     def set_positions(self, positions: np.ndarray) -> None:
         """New positions, (vertex_count, 3), for the same topology."""
         array = near_positions(positions)
-        status = self._library.pdesc_mesh_set_positions(self._pointer, address(array), len(array))
-        check(self._library, status)
+        check(load_library().pdesc_mesh_set_positions(self._pointer, address(array), len(array)))
 
     def set_displacement(self, heights: np.ndarray | None, midlevel: float = 0.5, scale: float = 1.0) -> None:
         """Displaces the surface by (value - midlevel) scale of an image (height, width); None removes the image."""
         array, height, width = image(heights, "heights", (-1, -1))
-        status = self._library.pdesc_mesh_set_displacement(
-            self._pointer, address(array), width, height, midlevel, scale
-        )
-        check(self._library, status)
+        pointer = address(array)
+        check(load_library().pdesc_mesh_set_displacement(self._pointer, pointer, width, height, midlevel, scale))
 
     def set_normal_map(self, colors: np.ndarray | None, corner_tangents: np.ndarray | None = None) -> None:
         """Takes the normals from an image (height, width, 3), in the tangent space of (corner_count, 4)."""
@@ -124,10 +118,8 @@ class Mesh(Made):
         tangents, count = None, 0
         if corner_tangents is not None:
             tangents, count = shaped(corner_tangents, np.float32, "corner_tangents", (-1, 4)), len(corner_tangents)
-        status = self._library.pdesc_mesh_set_normal_map(
-            self._pointer, address(array), width, height, address(tangents), count
-        )
-        check(self._library, status)
+        given = address(array), width, height, address(tangents), count
+        check(load_library().pdesc_mesh_set_normal_map(self._pointer, *given))
 
     def set_maps(self, maps: SurfaceMaps) -> None:
         """Sets displacement and normal map, or removes those that are None."""
@@ -138,15 +130,15 @@ class Mesh(Made):
         """(vertex_count,) bool: a seam of the UV map lies within radius, in units of the positions."""
         near = np.empty(self.vertex_count, np.uint8)
         pointer = address(near)
-        check(self._library, self._library.pdesc_mesh_near_seam(self._pointer, radius, pointer, self.vertex_count))
+        check(load_library().pdesc_mesh_near_seam(self._pointer, radius, pointer, self.vertex_count))
         return near.astype(bool)
 
     def backend(self, options: Options | None = None, buffers: bool = False) -> str:
         """The backend that would compute with these options; under "auto" it may be another than the context's own."""
-        native = native_options(self._library, options or Options(), buffers)
+        native = native_options(options or Options(), buffers)
         number = ctypes.c_int32()
-        check(self._library, self._library.pdesc_mesh_backend(self._pointer, byref(native), byref(number)))
-        return backend_name(number.value)
+        check(load_library().pdesc_mesh_backend(self._pointer, byref(native), byref(number)))
+        return BACKEND_NAMES[number.value]
 
     def compute(
         self,
@@ -157,15 +149,15 @@ class Mesh(Made):
     ) -> Field:
         """Computes the named descriptors at every vertex from one sampling; buffers: baked buffers are to be read."""
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
-        native = native_options(self._library, options or Options(), buffers)
+        native = native_options(options or Options(), buffers)
         pointer = abi.FieldPointer()
         # The object frees what is made even if an error is raised.
-        field = Field(self._library, pointer, self.vertex_count, self._library.pdesc_field_destroy)
+        field = Field(pointer, self.vertex_count, load_library().pdesc_field_destroy)
         with Call(progress) as callback:
-            status = self._library.pdesc_compute(
+            status = load_library().pdesc_compute(
                 self._pointer, byref(native), names, len(descriptors), callback, None, byref(pointer)
             )
-        check(self._library, status)
+        check(status)
         return field
 
     def memory(
@@ -173,30 +165,27 @@ class Mesh(Made):
     ) -> dict[str, int]:
         """pdesc_memory by member name: the bytes that computing would take on this backend, not on the mesh's own."""
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
-        native = native_options(self._library, options or Options())
-        memory = new_struct(self._library, abi.Memory)
+        native = native_options(options or Options())
+        memory = new_struct(abi.Memory)
         number = choice(BACKENDS, backend, "backend")
-        status = self._library.pdesc_mesh_memory(
-            self._pointer, byref(native), names, len(descriptors), number, byref(memory)
-        )
-        check(self._library, status)
+        asked = byref(native), names, len(descriptors), number
+        check(load_library().pdesc_mesh_memory(self._pointer, *asked, byref(memory)))
         return as_dict(memory)
 
     def read_buffer(self, name: str) -> np.ndarray:
         """(size, size) or (size, size, c) float32 of what the last compute baked, rows from v = 0 up; see BUFFERS."""
         width = BUFFERS.get(name, 1)
-        size = self._library.pdesc_mesh_buffer_size(self._pointer)
+        size = load_library().pdesc_mesh_buffer_size(self._pointer)
         values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
         pointer = address(values)
-        status = self._library.pdesc_mesh_read_buffer(self._pointer, name.encode(), pointer, values.size)
-        check(self._library, status)
+        check(load_library().pdesc_mesh_read_buffer(self._pointer, name.encode(), pointer, values.size))
         return values
 
     def layout(self) -> np.ndarray:
         """(triangle_count, 3, 2) float32 (u, v) in use: the UV map's, or those of the private layout."""
         count = int(self.report()["triangle_count"])
         uvs = np.empty((count, 3, 2), np.float32)
-        check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs), count))
+        check(load_library().pdesc_mesh_layout(self._pointer, address(uvs), count))
         return uvs
 
 
@@ -204,39 +193,38 @@ class Context(Closing):
     """A device and its compiled programs. Closing it closes the meshes made from it."""
 
     def __init__(self, backend: str = "auto", device_index: int = -1, threads: int = 0, memory_limit: int = 0) -> None:
-        self._library = load_library()
-        options = new_struct(self._library, abi.ContextOptions)
+        options = new_struct(abi.ContextOptions)
         options.backend = choice(BACKENDS, backend, "backend")
         options.device_index = int32(device_index, "device index")
         options.threads = int32(threads, "number of threads")
         options.memory_limit = memory_limit
         self._pointer = abi.ContextPointer()
-        check(self._library, self._library.pdesc_context_create(byref(options), byref(self._pointer)))
+        check(load_library().pdesc_context_create(byref(options), byref(self._pointer)))
         self._meshes: weakref.WeakSet[Mesh] = weakref.WeakSet()
 
     @property
     def backend(self) -> str:
         """The backend in use."""
-        return backend_name(self._library.pdesc_context_backend(self._pointer))
+        return BACKEND_NAMES[load_library().pdesc_context_backend(self._pointer)]
 
     @property
     def device(self) -> str:
         """The device's name, for people."""
-        return text(self._library.pdesc_context_device(self._pointer))
+        return text(load_library().pdesc_context_device(self._pointer))
 
     def mesh(self, arrays: MeshArrays, progress: ProgressFunction | None = None) -> Mesh:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
-        native, kept = native_mesh(self._library, arrays)
+        native, kept = native_mesh(arrays)
         pointer = abi.MeshPointer()
         # The object frees what is made even if an error is raised.
-        mesh = Mesh(self._library, pointer, native.vertex_count, self._library.pdesc_mesh_destroy)
+        mesh = Mesh(pointer, native.vertex_count, load_library().pdesc_mesh_destroy)
         self._meshes.add(mesh)
         with Call(progress) as native.progress:
-            status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
+            status = load_library().pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
         del kept
         if status == abi.STATUS_INVALID_ARGUMENT:
-            raise InputError(text(self._library.pdesc_last_error()))
-        check(self._library, status)
+            raise InputError(text(load_library().pdesc_last_error()))
+        check(status)
         if arrays.maps is not None:
             mesh.set_maps(arrays.maps)
         return mesh
@@ -245,7 +233,7 @@ class Context(Closing):
         """Frees the meshes of this context, then the device."""
         for mesh in list(self._meshes):
             mesh.close()
-        self._library.pdesc_context_destroy(self._pointer)
+        load_library().pdesc_context_destroy(self._pointer)
         self._pointer = abi.ContextPointer()
 
 
@@ -254,11 +242,6 @@ def allowed_memory(limit: int) -> int:
     triangle = MeshArrays(np.eye(3, dtype=np.float32), np.arange(3, dtype=np.int32), np.arange(3, dtype=np.int32)[None])
     with Context("reference", memory_limit=limit) as context, context.mesh(triangle) as mesh:
         return mesh.memory(["mean_curvature"])["allowed"]
-
-
-def backend_name(number: int) -> str:
-    """The name of a pdesc_backend."""
-    return next((name for name, value in BACKENDS.items() if value == number), str(number))
 
 
 def as_dict(struct: ctypes.Structure) -> dict[str, float | int]:

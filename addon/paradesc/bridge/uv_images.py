@@ -34,12 +34,11 @@ def draw_uv_image(
     uvs: (triangle_count, 3, 2). triangle_values: (triangle_count, 3) which value each corner has. numbers: values are
     (n, k) with k up to 6, of which each is a number by itself and not part of a direction.
     """
-    library = load_library()
     corners = shaped(triangle_values, np.int32, "triangle_values", (-1, 3))
     places = shaped(uvs, np.float32, "uvs", (len(corners), 3, 2))
     width = 1 if values.ndim == 1 else values.shape[1] if numbers else 3
     column = shaped(values, np.float32, "values", (-1,) if values.ndim == 1 else (-1, width))
-    native = new_struct(library, abi.UvImageInput)
+    native = new_struct(abi.UvImageInput)
     native.size = int32(size, "number of texels")
     native.triangle_count, native.value_count, native.components = len(corners), len(column), width
     native.uvs, native.triangle_values = address(places), address(corners)
@@ -52,16 +51,15 @@ def draw_uv_image(
         native.map_uvs = address(layout)
     image = np.empty((max(size, 0), max(size, 0), width), np.float32)
     with Call(progress) as native.progress:
-        status = library.pdesc_uv_image_draw(byref(native), address(image), image.size)
-    check(library, status)
+        status = load_library().pdesc_uv_image_draw(byref(native), address(image), image.size)
+    check(status)
     return image
 
 
 def fill_gutter(image: np.ndarray, steps: int) -> np.ndarray:
     """(height, width, c) float32 with rings of undefined texels filled from their neighbors, 0 beyond the gutter."""
-    library = load_library()
     filled = np.array(image, np.float32, order="C")
     height, width, components = filled.shape
     pointer = address(filled)
-    check(library, library.pdesc_uv_image_fill_gutter(pointer, filled.size, width, height, components, steps, 0))
+    check(load_library().pdesc_uv_image_fill_gutter(pointer, filled.size, width, height, components, steps, 0))
     return filled

@@ -20,7 +20,7 @@ HARMLESS = {abi.STATUS_CANCELLED, abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALI
 # So many unused contexts are kept: the most recently used ones.
 MOST_IDLE = 4
 
-Key = tuple[str, int, int, int]  # backend and device, as asked for, the memory limit and the number of threads
+Key = tuple[str, int, int, int]  # the arguments of a context: backend, device, number of threads, memory limit
 
 
 @dataclass
@@ -56,8 +56,7 @@ class Pool:
                 found.users += 1
                 return found
             context = self.idle.pop(key, None)
-        backend, index, limit, threads = key
-        slot = Slot(key, context or bridge.Context(backend, index, threads, limit), shared)
+        slot = Slot(key, context or bridge.Context(*key), shared)
         with self.lock:
             self.used.append(slot)
         return slot
@@ -95,7 +94,7 @@ class Lease:
     def __init__(
         self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0, threads: int = 0
     ) -> None:
-        self._slot: Slot | None = POOL.take((backend, device_index, memory_limit, threads), shared)
+        self._slot: Slot | None = POOL.take((backend, device_index, threads, memory_limit), shared)
         self.context = self._slot.context
 
     def failed(self, error: BaseException) -> None:

@@ -240,7 +240,8 @@ def with_one_scale(look: Look, found: list[Results]) -> Look:
 
 def registry_row(name: str) -> bridge.Descriptor:
     """The registry's row of a descriptor, at any radius. The row of a change is signed, with 0 as its neutral value."""
-    found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    stem = registry_name(name)
+    found = next(row for row in bridge.descriptors() if row.name == stem)
     if name == found.name or not NUMBER.sub("", name).endswith(CHANGE):
         return found
     nan = float("nan")
@@ -268,15 +269,14 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    sized = settings.radius_fit
-    share = BALANCING if sized == balance.AUTO else 0.0
-    settings, progress = fitted(settings, arrays, span_of(progress, 0.0, share)), span_of(progress, share, 1.0)
+    sized, settings = settings.radius_fit, fitted(settings, arrays, span_of(progress, 0.0, BALANCING))
+    if sized == balance.AUTO:
+        progress = span_of(progress, BALANCING, 1.0)
     with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-
-        def compute(chosen: Settings) -> Results:
-            return run_on(mesh, arrays, chosen, progress, with_buffers)
-
-        return fitting.narrowed(settings, compute, attrgetter("values")) if sized in fitting.NARROWED else compute(settings)
+        compute = partial(run_on, mesh, arrays, progress=progress, with_buffers=with_buffers)
+        if sized in fitting.NARROWED:
+            return fitting.narrowed(settings, compute, attrgetter("values"))
+        return compute(settings)
 
 
 def fitted(
@@ -303,10 +303,12 @@ def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = F
 
 
 def backend_for(settings: Settings, buffers: bool = False) -> str:
-    """The backend that computes with these settings, told before there is a mesh."""
+    """The backend that computes, told before there is a mesh; pdesc_mesh_backend decides the same for a mesh."""
     if settings.backend != "auto":
         return settings.backend
-    return "software" if bridge.needs_texture_space(settings.options, buffers) else "cpu"
+    options = settings.options
+    needs_opengl = options.relocation != "connected" or options.precision == "half" or options.adaptive > 0
+    return "software" if buffers or needs_opengl else "cpu"
 
 
 def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
@@ -331,7 +333,8 @@ def run_on(
     with_buffers: bool = False,
 ) -> Results:
     """Computes the descriptors on a native mesh that was made of these arrays."""
-    computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
+    finds_corners = "harris" in settings.descriptors
+    computing = span_of(progress, 0.0, COMPUTING) if finds_corners else progress
     results = run_radii(mesh, settings, computing, with_buffers)
     about_shape = results.mesh_report["mean_edge"], results.least_radius, settings.radius_fit == fitting.FITTED
     results.shape_notes = partial(shape_notes, arrays.positions, *about_shape)
@@ -343,9 +346,9 @@ def run_on(
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     if MASKS & set(settings.descriptors):
         results.areas_of = partial(advice.areas_of_vertices, arrays)
-    if (name := results.harris) is not None:
-        reach = WINDOW_REACH * settings.options.map_sigma * results.radius_of(name)
-        mesh_parts = arrays.positions, arrays.triangle_vertices, results.values[name]
+    if finds_corners:
+        reach = WINDOW_REACH * settings.options.map_sigma * results.radius
+        mesh_parts = arrays.positions, arrays.triangle_vertices, results.values[results.harris]
         results.corners = find_corners(*mesh_parts, reach, settings.corner_threshold, progress)
     return results
 
@@ -361,27 +364,19 @@ def run_radii(
         suffix = radius_suffix(radius) if len(radii) > 1 else ""
         options = replace(settings.options, radius=radius)
         with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii)), with_buffers) as found:
+            report, backend, coverage, mask = found.report(), found.backend, found.values("coverage"), found.mask()
             if index == 0:
-                results = Results(
-                    settings=settings,
-                    values={},
-                    coverage=found.values("coverage"),
-                    mask=found.mask(),
-                    mesh_report=mesh.report(),
-                    field_report=found.report(),
-                    backend=found.backend,
-                    device=found.device,
-                    warnings=[],
-                )
-            results.coverage = np.minimum(results.coverage, found.values("coverage"))
-            results.mask = results.mask | found.mask()
-            results.field_reports[suffix] = found.report()
+                made = mesh.report(), report, backend, found.device
+                results = Results(settings, {}, coverage, mask, *made, warnings=[])
+            results.coverage = np.minimum(results.coverage, coverage)
+            results.mask = results.mask | mask
+            results.field_reports[suffix] = report
             results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
             results.warnings += [line for line in found.warnings() if line not in results.warnings]
-            if bridge.uses_texture_space(found.backend):
-                near_seam = mesh.near_seam(found.report()["radius"])
+            if bridge.uses_texture_space(backend):
+                near_seam = mesh.near_seam(report["radius"])
                 results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
-            if found.backend != "reference":
+            if backend != "reference" and (with_buffers or options.evaluate == "texel"):
                 keep_texels(results, mesh, found, suffix, with_buffers)
     return results
 

@@ -59,7 +59,6 @@ class Latest(Generic[Request, Result]):
         if self._worker is None and self._waiting is not None:
             self._under_way, self._waiting = self._waiting, None
             self._worker = Worker(partial(self._work, self._under_way), "paradesc live")
-            self._worker.start()
         return ended
 
     def settle(self) -> None:

@@ -12,8 +12,21 @@ LEAST = 8
 
 def sentences(report: dict[str, float | int]) -> list[str]:
     """Sentences about defects in a bridge.Mesh.report() that limit values; none for a sound mesh, open or not."""
-    used = report["triangle_count"] - report["degenerate_triangles"] - report["copied_triangles"]
-    found = [*without_area(report), *wound(report)]
+    flat, count = report["degenerate_triangles"], report["triangle_count"]
+    used, found = count - flat - report["copied_triangles"], []
+    if flat > MANY_WITHOUT_AREA * count:
+        found.append(
+            f"{flat:,} of {count:,} triangles have no area and are left out: check whether the file was written and "
+            "read correctly, or dissolve them (Mesh > Clean Up > Degenerate Dissolve)."
+        )
+    if report["opposed_edges"]:
+        found.append(
+            f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken "
+            "apart there: give the faces one winding (in edit mode, with all selected, Mesh > Normals > Recalculate "
+            "Outside)."
+        )
+    if report["inward_parts"]:
+        found.append(wound_inwards(report))
     if used >= LEAST and report["parts"] >= APART * used:
         found.append(fallen_apart(report, used))
     elif report["nonmanifold_edges"] - report["opposed_edges"] > FEW * 1.5 * used:
@@ -25,35 +38,15 @@ def sentences(report: dict[str, float | int]) -> list[str]:
     return found
 
 
-def without_area(report: dict[str, float | int]) -> list[str]:
-    """A sentence about triangles without area, if there are many."""
-    flat, count = report["degenerate_triangles"], report["triangle_count"]
-    if flat <= MANY_WITHOUT_AREA * count:
-        return []
-    return [
-        f"{flat:,} of {count:,} triangles have no area and are left out: check whether the file was written and read "
-        "correctly, or dissolve them (Mesh > Clean Up > Degenerate Dissolve)."
-    ]
-
-
-def wound(report: dict[str, float | int]) -> list[str]:
-    """Sentences about faces whose winding differs from their neighbors' or from that of a solid."""
-    found = []
-    if report["opposed_edges"]:
-        found.append(
-            f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken "
-            "apart there: give the faces one winding (in edit mode, with all selected, Mesh > Normals > Recalculate "
-            "Outside)."
-        )
-    if report["inward_parts"]:
-        count = report["inward_parts"]
-        some = f"{count:,} closed part is" if count == 1 else f"{count:,} closed parts are"
-        which = "The closed mesh is" if report["parts"] == 1 else some
-        found.append(
-            f"{which} wound inwards, so convex places count as concave: turn the faces (in edit mode, with all "
-            "selected, Mesh > Normals > Recalculate Outside)."
-        )
-    return found
+def wound_inwards(report: dict[str, float | int]) -> str:
+    """A sentence about closed parts whose faces have their back outside."""
+    count = report["inward_parts"]
+    some = f"{count:,} closed part is" if count == 1 else f"{count:,} closed parts are"
+    which = "The closed mesh is" if report["parts"] == 1 else some
+    return (
+        f"{which} wound inwards, so convex places count as concave: turn the faces (in edit mode, with all "
+        "selected, Mesh > Normals > Recalculate Outside)."
+    )
 
 
 def fallen_apart(report: dict[str, float | int], used: int) -> str:

@@ -85,22 +85,18 @@ class Worker(Generic[Result]):
     """Work on a thread of its own, so that a window stays responsive. Use it only from the thread that made it."""
 
     def __init__(self, work: Callable[[ProgressFunction], Result], name: str = "paradesc") -> None:
-        """Takes the work, which is called with a progress function that gives False once it has to stop."""
+        """Starts the work, which is called with a progress function that gives False once it has to stop."""
         self.stage, self.fraction = "start", 0.0
-        self._work, self._name = work, name
+        self._work = work
         self._cancelled = threading.Event()
         self._result: Result | None = None
         self._error: BaseException | None = None
-        self._thread: threading.Thread | None = None
-
-    def start(self) -> None:
-        """Starts the thread."""
-        self._thread = start(self._name, self._run, self.cancel)
+        self._thread = start(name, self._run, self.cancel)
 
     @property
     def done(self) -> bool:
         """Returns whether result() returns without waiting."""
-        return self._thread is not None and not self._thread.is_alive()
+        return not self._thread.is_alive()
 
     def cancel(self) -> None:
         """Asks the native call to stop at its next tile."""

@@ -14,14 +14,14 @@ from ..core import advice, balance
 from ..core.corners import check_threshold
 from ..core.face_centers import DOMAINS
 from ..core.job import Settings, check_descriptors
-from .words import MoreOptions
 
 DEFAULTS = {row.name: row.default for row in bridge.TABLE}
+KNOWN = ("corner_threshold", *DEFAULTS)
 # The settings that belong to the machine, with their largest values.
 WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
 
 
-def check_names(function: Callable, more: Iterable[str], known: Iterable[str] = MoreOptions.__annotations__) -> None:
+def check_names(function: Callable, more: Iterable[str], known: Iterable[str] = KNOWN) -> None:
     """Refuses a keyword argument that a function has not, as Python does, and names the nearest that it has."""
     for name in more:
         if name not in known:

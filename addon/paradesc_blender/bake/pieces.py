@@ -20,8 +20,6 @@ STAGE_WORDS = {
     "rays": "Finding the detailed mesh",
     "image": "Drawing the image",
     "write": "Drawing the image",
-    "write images": "Writing images",
-    "write buffers": "Writing buffers",
 }
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
 
@@ -48,7 +46,6 @@ Work = Iterator[Worker | None]  # on the main thread; each worker that it yields
 def computed(work: Callable[[ProgressFunction], object], name: str = "paradesc") -> Generator[Worker, None, object]:
     """Computes beside the main thread, and returns the result."""
     worker = Worker(work, name)
-    worker.start()
     yield worker
     return worker.result()
 

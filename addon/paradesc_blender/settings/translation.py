@@ -51,22 +51,20 @@ def can_run(operator: type, obstacle: str) -> bool:
     return not obstacle
 
 
-def filled(sentence: str, look: Callable[[str, str], str]) -> str:
-    """The translation of a sentence whose names and numbers are filled in already.
+def translated(text: str, look: Callable[[str, str], str]) -> str:
+    """The translation of a text by one of Blender's dictionaries; names and numbers may be filled in already.
 
     A filled-in part may be a sentence or label, which is translated too; a part in quotes is a name and stays.
     """
-    template, parts = matched(sentence)
+    found = matched(text)
+    if found is None:
+        return look(text, CONTEXT)
+    template, parts = found
     shown = [
         part if f'"{{{number}}}"' in template or not any(map(str.isalpha, part)) else translated(part, look)
         for number, part in enumerate(parts)
     ]
     return look(template, CONTEXT).format(*shown)
-
-
-def translated(text: str, look: Callable[[str, str], str]) -> str:
-    """The translation of a text by one of Blender's dictionaries."""
-    return look(text, CONTEXT) if matched(text) is None else filled(text, look)
 
 
 @lru_cache(maxsize=4096)
