@@ -129,8 +129,7 @@ TEST_F(Memory, samples_of_a_surface_that_is_displaced_far_are_refused_before_the
   pdesc_field_destroy(field);
 }
 
-// What only rough or creased surfaces take is refused as soon as that is known, and smooth ones of as many triangles are
-// computed.
+// The memory that only rough surfaces take is refused as soon as it is known, and a smooth one of as many triangles is computed.
 TEST_F(Memory, a_rough_surface_is_refused_where_a_smooth_one_is_computed) {
   const TestMesh smooth = torus(1.0, 0.4, {.vertices = 200000});
   TestMesh rough = smooth;
