@@ -234,6 +234,45 @@ TEST(CountingCreases, count_where_they_bend_as_much_as_what_lies_around) {
     EXPECT_EQ(creases_that_count(solid, half_edges, found, rounded_normals(solid, half_edges), radius), found);
 }
 
+// The faces of a ball of voxels. Its radius is a whole number of voxels, so one voxel stands out at each pole.
+Triangles ball_of_voxels(int radius) {
+  const auto is_inside = [&](glm::ivec3 at) { return at.x * at.x + at.y * at.y + at.z * at.z <= radius * radius; };
+  const int side = 2 * radius + 2;
+  std::map<int, int32_t> numbers; // of grid corners
+  std::vector<vec3> positions;
+  std::vector<int32_t> corners;
+  const auto vertex = [&](glm::ivec3 at) {
+    const auto [found, is_new] = numbers.try_emplace((at.x * side + at.y) * side + at.z, static_cast<int32_t>(positions.size()));
+    if (is_new) positions.emplace_back(at);
+    return found->second;
+  };
+  for (int i = 0; i < side * side * side; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const glm::ivec3 at(i / (side * side), i / side % side, i % side), middle(radius);
+      glm::ivec3 across(0), first(0), second(0);
+      across[axis] = first[(axis + 1) % 3] = second[(axis + 2) % 3] = 1;
+      const bool below = is_inside(at - across - middle), above = is_inside(at - middle);
+      if (below == above) continue;
+      if (above) std::swap(first, second);
+      const int32_t quad[4] = {vertex(at), vertex(at + first), vertex(at + first + second), vertex(at + second)};
+      for (const int k : {0, 1, 2, 0, 2, 3}) corners.push_back(quad[k]);
+    }
+  return shape(positions, corners);
+}
+
+// The voxel that stands out has hard edges of its own, and at a radius of some voxels it is one step among many.
+TEST(CountingCreases, single_steps_among_others_as_sharp_do_not_count) {
+  for (const int voxels : {10, 15, 20}) {
+    const Triangles ball = ball_of_voxels(voxels);
+    const HalfEdges half_edges = build_half_edges(ball);
+    const std::vector<vec3> normals = rounded_normals(ball, half_edges);
+    const Creases found = creases_of(ball, half_edges);
+    EXPECT_EQ(found.edges.size(), 72u) << "twelve at each pole, of " << voxels << " voxels";
+    EXPECT_EQ(creases_that_count(ball, half_edges, found, normals, 0.5 * voxels).edges.size(), 0u) << voxels << " voxels";
+    EXPECT_EQ(creases_that_count(ball, half_edges, found, normals, 0.5), found) << "at half a voxel";
+  }
+}
+
 TEST(CountingCreases, do_not_count_on_a_smooth_surface_unless_they_are_marked) {
   Triangles ball = read_triangles(input_of(sphere(1, {.vertices = 3000})));
   const HalfEdges half_edges = build_half_edges(ball);

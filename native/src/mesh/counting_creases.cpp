@@ -9,11 +9,14 @@
 
 namespace paradesc {
 
-// Returns whether the other edges turn the normals less than the creases do, or turn them by noise alone.
+// Returns whether the other edges turn the normals less than the creases do, or turn them by noise alone. Edges that are as sharp
+// are no noise: the creases are single steps among others, as on a surface of voxels.
 static bool stands_out(const EdgeLine &, const TurningWithin &turning_within) {
-  constexpr double most_others = 0.7;
+  constexpr double most_others = 0.7, as_sharp = 0.85;
   const Turning turning = turning_within(1);
-  return turning.edges >= turning.others || turning.others_net2 <= most_others * most_others * turning.edges * turning.edges;
+  if (turning.edges >= turning.others) return true;
+  return turning.others_sharpness < as_sharp * turning.sharpness &&
+         turning.others_net2 <= most_others * most_others * turning.edges * turning.edges;
 }
 
 Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,

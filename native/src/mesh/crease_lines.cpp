@@ -132,9 +132,12 @@ public:
         if (bend == 0) continue;
         all.add(bend, direction);
         (chosen_[h] ? turning.edges : turning.others) += std::abs(bend);
+        (chosen_[h] ? turning.sharpness : turning.others_sharpness) += bend * chord;
         if (!chosen_[h]) others[(middle.x > 0) + 2 * (middle.y > 0) + 4 * (middle.z > 0)].add(bend, direction);
       }
     turning.net = std::sqrt(all.norm2());
+    turning.sharpness /= std::max(turning.edges, 1e-30);
+    turning.others_sharpness /= std::max(turning.others, 1e-30);
     for (const BendTensor &octant : others) turning.others_net2 += octants * (octant.norm2() - octant.squares);
     return turning;
   }

@@ -14,10 +14,12 @@ namespace paradesc {
 // The turning of normals across the edges in a ball around a place of a line. Bends are weighted by a bowl that is 0 at the
 // ball's rim.
 struct Turning {
-  double edges = 0;       // absolute bends of the line's own and all other chosen edges
-  double others = 0;      // absolute bends of all other edges
-  double net = 0;         // norm of the tensor of all edges, in which bends back and forth cancel
-  double others_net2 = 0; // squared norms of the other edges' tensors by octant, less those expected of random signs
+  double edges = 0;            // absolute bends of the line's own and all other chosen edges
+  double others = 0;           // absolute bends of all other edges
+  double sharpness = 0;        // mean chord of the bends of the first, weighted by these; 0 without any
+  double others_sharpness = 0; // the same of the others
+  double net = 0;              // norm of the tensor of all edges, in which bends back and forth cancel
+  double others_net2 = 0;      // squared norms of the other edges' tensors by octant, less those expected of random signs
 
   double purity() const { return edges / others; }
 };
