@@ -147,6 +147,23 @@ TEST(Normals, of_a_coarse_surface_stay_fitted) {
   EXPECT_LT(angle_error(torus(1, 0.4, {.vertices = 500}), PDESC_NORMALS_FITTED).mean, 1.8);
 }
 
+// At the open end of z = bend x², faces have the slope `bend` and a fit has none. A fit that leaves the faces by 12 degrees and
+// more is not believed.
+TEST(Normals, fitted_give_way_to_the_faces_where_they_leave_these_far) {
+  for (const auto &[bend, expected] : {std::pair(0.1f, 0.0), std::pair(0.3f, 16.7)}) {
+    std::vector<vec3> positions;
+    std::vector<int32_t> corners;
+    for (int32_t i = 0; i < 28; ++i) {
+      const vec2 at(i / 7, i % 7 - 3);
+      positions.emplace_back(at, bend * at.x * at.x);
+      if (i % 7 < 6 && i < 21) corners.insert(corners.end(), {i, i + 7, i + 8, i, i + 8, i + 1});
+    }
+    const Subject subject(shape(positions, corners));
+    const vec3 normal = subject.normals(PDESC_NORMALS_FITTED).point[subject.half_edges.vertex_point[3]];
+    EXPECT_NEAR(angle_between(dvec3(normal), dvec3(0, 0, 1)), expected, 0.5) << bend;
+  }
+}
+
 // Vertices lie off every smooth fit by a third of an edge, and the areas of triangles differ.
 TEST(Normals, of_a_rough_surface_are_the_mean_of_the_faces_around_by_area) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 6000});
