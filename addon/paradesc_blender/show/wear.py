@@ -117,6 +117,8 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     if sentence:
         raise InputError(sentence)
     material = target.active_material
+    if material is not None and look in LOOKS and is_other_look(material, LOOKS[look]):
+        return exchange(target, LOOKS[look], of_images)
     if material is None:
         return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
     if material.node_tree is None or not (bpy.app.version >= (5, 0, 0) or material.use_nodes):  # since 5 all have nodes
@@ -211,6 +213,18 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
         target.data[OWN_SLOT] = True
     target.active_material = material
     return f'"{target.name}" had no material, and now has "{material.name}".'
+
+
+def is_other_look(material: bpy.types.Material, name: str) -> bool:
+    """Returns whether a material is another look than this one, and nobody has changed it."""
+    return is_look(material) and material[MARK] != name and tuned.is_as_left(material)
+
+
+def exchange(target: bpy.types.Object, name: str, of_images: bool) -> list[str]:
+    """Gives an object another look in place of its own, whose colors would tint the other one; returns no notes."""
+    take_away(target, target.active_material_index)
+    assign(target, name, of_images)
+    return []
 
 
 def is_look(material: bpy.types.Material) -> bool:
