@@ -89,7 +89,7 @@ class SceneSource:
         return [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(names)]
 
     def has_faces(self, target: bpy.types.Object) -> bool:
-        """Whether the object's own mesh has faces."""
+        """Returns whether the object's own mesh has faces."""
         return bool(target.data.polygons)
 
     def mesh_name(self, target: bpy.types.Object) -> str:

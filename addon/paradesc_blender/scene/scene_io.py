@@ -101,7 +101,7 @@ def imported(path: Path, faces: int) -> list[str]:
 
 
 def begins_with_mark(path: Path) -> bool:
-    """Whether a text begins with a byte order mark, after which Blender's .obj importer misreads the first line."""
+    """Tells whether a text begins with a byte order mark, after which Blender's importer misreads the first line."""
     with path.open("rb") as file:
         return file.read(len(MARK)) == MARK
 
@@ -118,7 +118,7 @@ def find_importer(suffix: str) -> object:
 
 
 def has_operator(name: str) -> bool:
-    """Whether this Blender has the operator. bpy.ops itself cannot tell, as it accepts any name."""
+    """Returns whether this Blender has the operator. bpy.ops itself cannot tell, as it accepts any name."""
     category, _, member = name.partition(".")
     try:
         getattr(getattr(bpy.ops, category), member).get_rna_type()
@@ -232,7 +232,7 @@ def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Obj
 
 
 def has_faces(item: bpy.types.Object, source: str) -> bool:
-    """Whether a mesh object has faces with this source; modifiers may create all of them."""
+    """Returns whether a mesh object has faces with this source; modifiers may create all of them."""
     evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source != source_kinds.EVALUATED or not evaluated.is_evaluated:
         return bool(item.data.polygons)

@@ -100,7 +100,7 @@ def fault(target: bpy.types.Object) -> str:
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
-    """Whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
+    """Returns whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
     material = target.active_material
     users = [item for item in bpy.data.objects if material in [slot.material for slot in item.material_slots]]
     sharing = [item.data for item in users if material is not None]
@@ -228,7 +228,7 @@ def exchange(target: bpy.types.Object, name: str, of_images: bool) -> list[str]:
 
 
 def is_look(material: bpy.types.Material) -> bool:
-    """Whether a material is a look that was given to an object without material."""
+    """Returns whether a material is a look that was given to an object without material."""
     return material.get(MARK) in LOOKS.values()
 
 
@@ -246,7 +246,7 @@ def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 
 def has_wear(material: bpy.types.Material | None) -> bool:
-    """Whether the colors of a material pass through the group."""
+    """Returns whether the colors of a material pass through the group."""
     nodes = own_nodes(material.node_tree, GROUP) if material is not None else []
     return any(passes(node, PASSED) for node in nodes)
 
