@@ -31,9 +31,9 @@ class View:
     """One mesh with one set of vertex colors, and its legend."""
 
     colors: np.ndarray  # (vertex_count, 3) display colors in [0, 1]
-    name: str  # of the descriptor
     title: str
     shown: color_maps.ValueRange | None  # None of directions, whose colors have no scale
+    name: str = ""  # of the descriptor
 
 
 def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.ndarray:
