@@ -21,7 +21,7 @@ def new_group(name: str, kind: str = "ShaderNodeTree") -> Graph:
 def wear() -> bpy.types.NodeTree:
     """Dirt where Cavity is high and wear where Edges is high, both broken up by noise."""
     g = new_group("Paradesc Wear")
-    base = g.add_input("Base Color", "color", WHITE, "What is neither dirty nor worn")
+    base = g.add_input("Base Color", "color", WHITE, "The surface where it is neither dirty nor worn")
     rough = g.add_input("Roughness", "share", 0.5)
     metal = g.add_input("Metallic", "share", 0.0)
     cavity = g.add_input("Cavity", "float", 0.0, "Mask of hollows: an attribute or an image", 1e6, -1e6)
@@ -41,7 +41,7 @@ def wear() -> bpy.types.NodeTree:
     rim = g.add_input("Edge Rim", "share", 0.3, "Dirt along the border of what is worn")
     dust = g.add_input("Dust on Top", "share", 0.0, "The color of dirt on what looks up, too")
     scale = g.add_input("Noise Scale", "float", 18.0, "Spots along the diagonal of the object's box", 1e4)
-    breakup = g.add_input("Noise Breakup", "share", 0.7, "How much noise breaks up masks; 0: smooth")
+    breakup = g.add_input("Noise Breakup", "share", 0.7, "Strength of the noise that breaks up masks; 0: smooth")
     box = g.add_input(
         "Proportions", "vector", (0.58, 0.58, 0.58), "Sides of the object's box as shares of its diagonal"
     )

@@ -68,25 +68,31 @@ def drawn_lines():
     return " ".join(shown["label"]), shown["operator"]
 
 
-@pytest.mark.parametrize(("levels", "words"), [({}, "black"), ({"invert": True}, "white")])
-def test_an_image_that_is_black_or_white_has_buttons_for_other_radii(folder, settings, levels, words):  # noqa: F811
-    settings.descriptors, settings.radius_percent = {"cavity"}, 4.0  # a sphere has none
-    for name, value in levels.items():
-        setattr(bpy.context.scene.paradesc_looks, name, value)
+def test_an_image_that_is_white_has_buttons_for_other_radii(folder, settings):  # noqa: F811
+    looks = bpy.context.scene.paradesc_looks
+    settings.descriptors, settings.radius_percent = {"convexity"}, 4.0
+    looks.span, looks.minimum, looks.maximum = "fixed", 0.0, 0.01  # all of a sphere is above
     made = baked()
-    assert max(made.extremes(made.images[0]).values()) == 1.0
+    assert made.extremes(made.images[0])["bright"] == 1.0
     assert made.percent == pytest.approx(4.0, rel=1e-5)
     said, buttons = drawn_lines()
-    assert f"Most of it is {words}" in said
+    assert "Most of it is white" in said
     assert {"Finer", "Broader"} <= set(buttons)
     fit, radius = result.next_radius(settings.radius_fit, made.percent, 1)
-    bpy.ops.paradesc.bake_image(mask="cavity", fit=fit, radius=radius)  # what Broader does
+    bpy.ops.paradesc.bake_image(mask="edge_wear", fit=fit, radius=radius)  # what Broader does
     assert image_results.found(ball()).percent == pytest.approx(8.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("invert", [False, True])
+def test_an_image_without_hollows_says_nothing(folder, settings, invert):  # noqa: F811
+    settings.descriptors, bpy.context.scene.paradesc_looks.invert = {"cavity"}, invert  # a sphere has none
+    made = baked()
+    assert max(made.extremes(made.images[0]).values()) == 1.0
+    assert "Most of it" not in drawn_lines()[0]
 
 
 def test_an_image_that_tells_something_and_one_of_no_mask_say_nothing(folder, settings):  # noqa: F811
     settings.descriptors = {"convexity"}
-    bpy.context.scene.paradesc_looks.contrast = -0.8  # a sphere is one edge, which is grey then
     made = baked()
     assert {*made.extremes(made.images[0])} == {"dark", "bright"}
     assert "Most of it" not in drawn_lines()[0]

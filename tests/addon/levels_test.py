@@ -229,6 +229,14 @@ def test_white_is_at_most_the_98th_percentile_of_what_is_not_black_and_leaves_a_
     assert color_maps.strong(np.zeros(10), None, 0.0, 1.0) == color_maps.LEAST_WHITE
 
 
+def test_black_is_what_most_of_the_surface_has_but_less_than_an_edge():
+    limbs = np.concatenate([np.full(9000, 0.15), np.full(1000, 0.9)])
+    assert color_maps.usual(limbs, None, 0.0, 1.0) == pytest.approx(0.15)
+    assert color_maps.usual(limbs[::-1], np.repeat([1.0, 0.0], 5000), 0.0, 1.0) == pytest.approx(0.15)
+    assert color_maps.usual(np.full(10, 0.9), None, 0.0, 1.0) == color_maps.MOST_USUAL
+    assert color_maps.usual(np.zeros(10), None, 0.0, 1.0) == color_maps.usual(np.full(3, np.nan), None, 0.0, 1.0) == 0.0
+
+
 def test_white_goes_by_area_not_by_the_number_of_vertices():
     values = np.concatenate([np.full(900, 0.9), np.full(100, 0.3)])  # many small faces in a detail
     areas = np.concatenate([np.full(900, 1e-5), np.full(100, 1.0)])

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,18 +76,17 @@ def test_bad_colors_are_one_sentence(paradesc, sphere_obj, tmp_path, words, word
 
 
 def test_legend_counts_from_end_to_end_through_the_neutral_value():
-    assert legend.ticks(ValueRange(-1, 3, True, 0.0)) == [(0.0, "-1"), (0.25, "0"), (1.0, "3")]
-    assert legend.ticks(ValueRange(0, 0.5, False)) == [(0.0, "0"), (0.5, "0.25"), (1.0, "0.5")]
-    assert legend.ticks(ValueRange(-1e-17, 1, False))[0] == (0.0, "0")
-    assert legend.ticks(ValueRange(-0.01, 3, True, 0.0))[1][1] == "1.49"  # 0 would be written over the end
+    assert legend.ticks("mean_curvature", ValueRange(-1, 3, True, 0.0)) == [(0.0, "-1"), (0.25, "0"), (1.0, "3")]
+    assert legend.ticks("curvedness", ValueRange(0, 0.5, False)) == [(0.0, "0"), (0.5, "0.25"), (1.0, "0.5")]
+    assert legend.ticks("curvedness", ValueRange(-1e-17, 1, False))[0] == (0.0, "0")
+    assert legend.ticks("mean_curvature", ValueRange(-0.01, 3, True, 0.0))[1][1] == "1.49"  # 0 would be written over the end
 
 
-def test_legend_of_a_mask_goes_from_0_to_1_and_says_which_value_is_1():
-    assert legend.ticks(ValueRange(0, 0.596, False, map_name="grey")) == [(0.0, "0"), (0.5, "1 = 0.6"), (1.0, "1")]
-    inverted = ValueRange(0, 0.596, False, map_name="grey", levels=Levels(invert=True))
-    assert legend.ticks(inverted) == [(0.0, "1"), (0.5, "0 = 0.6"), (1.0, "0")]
-    assert legend.ticks(ValueRange(0, 1, False, map_name="grey")) == [(0.0, "0"), (1.0, "1")]
-    assert len(legend.ticks(ValueRange(0.2, 1, False, map_name="grey"))) == 3
+def test_legend_of_a_mask_goes_from_0_to_1_whatever_value_is_white():
+    shown = ValueRange(0.1, 0.596, False, map_name="grey")
+    assert legend.ticks("convexity_r0.02", shown) == [(0.0, "0"), (1.0, "1")]
+    assert legend.ticks("cavity", replace(shown, levels=Levels(invert=True))) == [(0.0, "1"), (1.0, "0")]
+    assert len(legend.ticks("curvedness", shown)) == 3
 
 
 def test_masks_have_the_names_of_their_buttons():

@@ -253,6 +253,23 @@ def test_an_object_without_a_material_gets_the_look_that_was_chosen(target, look
     assert [item.name for item in bpy.data.materials] == [name]
 
 
+def test_another_look_has_its_own_colors_and_takes_the_place_of_one_that_nobody_has_changed(target):
+    add_wear()
+    for name in ("OLD_STONE", "DUSTY_PLASTIC", "PAINTED_METAL"):
+        add_wear(look=name)
+        assert [item.name for item in bpy.data.materials] == [wear.LOOKS[name]]
+        assert target.active_material.name == wear.LOOKS[name]
+    bpy.ops.paradesc.remove_wear()
+    assert len(bpy.data.materials) == len(target.material_slots) == 0
+
+
+def test_another_look_leaves_the_material_of_one_that_somebody_has_changed(target):
+    add_wear()
+    wear_nodes(target.active_material)[0].inputs["Dirt Amount"].default_value = 0.125
+    add_wear(look="OLD_STONE")
+    assert target.active_material.name == "Painted Metal"
+
+
 def test_a_look_that_was_tuned_stays(target):
     add_wear()
     target.active_material.node_tree.nodes[wear.GROUP].inputs["Dirt Amount"].default_value = 0.125

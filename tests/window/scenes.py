@@ -92,8 +92,8 @@ def as_found() -> None:
 
 def to_bake() -> Iterator[tuple[str, tuple[int, int]]]:
     """The first button that bakes, as a person sees it: what it does, and where it is."""
-    places = yield from person.buttons(wanted="paradesc_blender.bake", columns=person.COLUMNS[:1])  # they are wide
-    return next(((words, place) for words, place in places.items() if "paradesc_blender.bake" in words), ("", (0, 0)))
+    places = yield from person.buttons(wanted="ops.paradesc.bake", columns=person.COLUMNS[:1])  # they are wide
+    return next(((words, place) for words, place in places.items() if "ops.paradesc.bake" in words), ("", (0, 0)))
 
 
 def clicked() -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 import person
-from scenes import as_found, clicked, empty, framed, imported, monkey
+from scenes import as_found, clicked, empty, framed, monkey
 
 from paradesc_blender.scene import arrays
 
@@ -48,7 +48,8 @@ def levels(run: "Run") -> Iterator[None]:
     yield from person.drawn(2)
     run.saw("B16", "back at their defaults the colors are as before", bool(np.allclose(colors(made), first, atol=1e-3)))
     name = shown(made)
-    shares = np.clip(arrays.attribute_values(made.data.attributes[name]) / white(made), 0, 1)
+    low, high = made.data["paradesc"]["ranges"][name]
+    shares = np.clip((arrays.attribute_values(made.data.attributes[name]) - low) / (high - low), 0, 1)
     run.saw("B12", f"the linear color differs from the value by {np.abs(colors(made) - shares).max():.4f}", bool(np.abs(colors(made) - shares).max() < 0.01))
 
 
@@ -112,21 +113,10 @@ def interface(run: "Run") -> Iterator[None]:
     yield from person.drawn(3)
 
 
-def dark(run: "Run") -> Iterator[None]:
-    """The panel's line about a mask that is nearly all black, and its button."""
-    imported("human.obj")
-    as_found()
-    bpy.context.scene.paradesc.radius_percent = 2.0
-    yield from clicked()
-    file = yield from run.picture("nearly_black")
-    found = yield from person.buttons()
-    run.saw("A2", f"a typed radius of 2 % on the human: buttons {', '.join(words.removeprefix('bpy.ops.paradesc.').split('].')[-1] for words in found)}", None, file)
-
-
 def steps(run: "Run") -> Iterator[None]:
     """One after another."""
     yield from person.alone()
     yield from person.open_tab()
-    for point, task in (("B16", levels), ("B18", one_scale), ("A2", dark), ("B15", interface)):
+    for point, task in (("B16", levels), ("B18", one_scale), ("B15", interface)):
         yield from run.tried(point, task(run))
     empty()

@@ -24,7 +24,7 @@ def write_picture(path: Path, baked: Baked) -> None:
     for name in baked.results.values:
         shown = baked.results.shown(name) if baked.results.values[name].ndim == 1 else None
         colors = color_maps.colors(baked.results.values[name], baked.results.shown(name))
-        views.append(picture.View(colors, legend.title(name, baked.unit(name)), shown))
+        views.append(picture.View(colors, legend.title(name, baked.unit(name)), shown, name))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
 
 

@@ -33,6 +33,7 @@ class View:
     colors: np.ndarray  # (vertex_count, 3) display colors in [0, 1]
     title: str
     shown: color_maps.ValueRange | None  # None of directions, whose colors have no scale
+    name: str = ""  # of the descriptor
 
 
 def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.ndarray:
@@ -59,7 +60,7 @@ def draw_legend(area: np.ndarray, view: View) -> None:
     left = (area.shape[1] - bar_width) // 2
     values = np.linspace(view.shown.minimum, view.shown.maximum, bar_width)
     area[4 : 4 + bar_height, left : left + bar_width] = np.round(255 * color_maps.colors(values, view.shown))
-    for share, text in legend.ticks(view.shown):
+    for share, text in legend.ticks(view.name, view.shown):
         place = left + round(share * bar_width) - lettering.text_width(text, scale) // 2
         lettering.draw_text(area, text, place, 6 + bar_height, scale, INK)
     place = (area.shape[1] - lettering.text_width(view.title, scale)) // 2

@@ -13,12 +13,13 @@ from subjects import models
 
 from paradesc import bridge
 from paradesc_blender.settings.presets import PRESETS
+from paradesc_blender.show.wear import LOOKS
 
 MASKS = {"cavity": "cavity", "edge_wear": "convexity", "openness": "ambient_openness", "curvature": "mean_curvature"}
 LABELS = {"cavity": "Cavity", "edge_wear": "Edge Wear", "openness": "Openness", "curvature": "Curvature"}
 SAMPLES, FLAT_SAMPLES = 24, 10
 RED, GREEN, STONE, SKIN = (0.4, 0.02, 0.014), (0.035, 0.07, 0.03), (0.24, 0.22, 0.19), (0.09, 0.14, 0.04)
-TEAL, BLUE = (0.02, 0.16, 0.17), (0.03, 0.08, 0.2)
+BLUE = (0.03, 0.08, 0.2)
 
 
 def bake(item: bpy.types.Object, mask: str) -> str:
@@ -121,22 +122,16 @@ def draw_radii(path: str) -> None:
 
 
 def draw_looks(path: str) -> None:
-    """The three looks of wear."""
+    """The three looks of wear on a character and on a prop, which had no material."""
     tiles = []
-    for make, color, roughness, look, view in (
-        (models.car, TEAL, 0.3, "PAINTED_METAL", View(-38, 14)),
-        (models.stone, STONE, 0.9, "OLD_STONE", View(-18, 8)),
-        (models.helmet, BLUE, 0.4, "DUSTY_PLASTIC", View(-28, 8)),
-    ):
-        studio.clear()
-        item = make()
-        if make is models.car:
-            dress_car(item, color)
-        else:
-            studio.paint(item, color, roughness)
-        wear(item, look)
-        tiles.append(studio.tile([item], (630, 520), view, SAMPLES, lit=True))
-    studio.save(studio.sheet(tiles, ("Painted Metal", "Old Stone", "Dusty Plastic"), 3), path)
+    for make, view in ((models.creature, View(-24, 5, 0.02)), (models.crate, View(-36, 20, 0.02))):
+        for look in LOOKS:
+            studio.clear()
+            item = make()
+            item.data.materials.clear()
+            wear(item, look)
+            tiles.append(studio.tile([item], (630, 560), view, SAMPLES, lit=True))
+    studio.save(studio.sheet(tiles, (*LOOKS.values(), *LOOKS.values()), len(LOOKS)), path)
 
 
 def draw_creases(path: str) -> None:

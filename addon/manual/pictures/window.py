@@ -205,7 +205,7 @@ def picture_of(region: bpy.types.Region) -> np.ndarray:
 
 
 def panel_height(sidebar: np.ndarray) -> int:
-    """How far the panels reach down: half a row below the last row of white text."""
+    """The end of the panels, in pixels from the top: half a row below the last row of white text."""
     text = (sidebar[:, 16:190].min(axis=2) > 150).any(axis=1)
     return int(np.flatnonzero(text).max()) + 10
 

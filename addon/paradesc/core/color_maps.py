@@ -42,6 +42,9 @@ EDGES = {"cavity", "convexity"}
 # surface is brighter than half of white. It is not below the smallest share of the mask's range, so that nearly flat
 # areas stay nearly black.
 NOT_BLACK, WHITE_PERCENTILE, BRIGHT_PERCENT, LEAST_WHITE = 0.002, 98.0, 4.0, 0.05
+# Limbs and bodies bend everywhere. So black in a mask of EDGES is the value that this percentage of the surface has at
+# most, up to the value of a tube that is twice as thick as the ball that measures it.
+USUAL_PERCENT, MOST_USUAL = 60.0, 0.25
 
 # The shares of a color map up to which it counts as nearly black, and from which on as nearly white. A mask shows
 # little if more than MOST_EXTREME of it is one of the two.
@@ -252,7 +255,8 @@ def value_range(
     if bounds is None and look.percentile is None and math.isfinite(descriptor.display_minimum):
         bounds = (descriptor.display_minimum, descriptor.display_maximum)
         if descriptor.name in MASKS:
-            bounds = (bounds[0], strong(values, areas, *bounds))
+            low = usual(values, areas, *bounds) if descriptor.name in EDGES else bounds[0]
+            bounds = (low, strong(values, areas, low, bounds[1]))
     if bounds is None:
         percentile = CLIPPED_PERCENT if look.percentile is None else look.percentile
         finite = np.asarray(values, np.float64)[np.isfinite(values)]
@@ -276,6 +280,14 @@ def with_one_scale(look: Look, baked: list[tuple[Descriptor, float, list[Weighte
         shown = value_range(np.concatenate(every), descriptor, radius, look, areas)
         ranges[descriptor.name] = (shown.minimum, shown.maximum)
     return replace(look, ranges=ranges)
+
+
+def usual(values: np.ndarray, areas: np.ndarray | None, low: float, high: float) -> float:
+    """The value up to which a mask of EDGES is black: that of most of the surface."""
+    defined = np.isfinite(values)
+    weights = np.ones(int(defined.sum())) if areas is None else areas[defined]
+    most = low + MOST_USUAL * (high - low)
+    return min(max(quantile(values[defined], weights, USUAL_PERCENT), low), most)
 
 
 def strong(values: np.ndarray, areas: np.ndarray | None, low: float, high: float) -> float:

@@ -36,15 +36,13 @@ def unit_of(name: str, map_descriptor: str) -> str:
     return next((row.unit_on(map_descriptor) for row in bridge.descriptors() if row.name == stem), "")
 
 
-def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
+def ticks(name: str, shown: color_maps.ValueRange) -> list[tuple[float, str]]:
     """The places along the bar, in [0, 1], and their numbers: both ends, and the neutral value or the middle.
 
-    A grey mask is read from 0 to 1, or back if it is inverted, and in the middle stands which value the last one is.
+    A grey mask is read from 0 to 1, or back if it is inverted.
     """
-    if shown.map_name == color_maps.GREY and shown.minimum == 0:
-        first, last = ("1", "0") if shown.levels.invert else ("0", "1")
-        value = [(0.5, f"{last} = {shown.maximum:.2g}")] if shown.maximum != 1 else []
-        return [(0.0, first), *value, (1.0, last)]
+    if shown.map_name == color_maps.GREY and shown.minimum >= 0 and registry_name(name) in color_maps.MASKS:
+        return [(0.0, "1"), (1.0, "0")] if shown.levels.invert else [(0.0, "0"), (1.0, "1")]
     span = shown.maximum - shown.minimum
     middle = shown.neutral
     if middle is None or not (0.15 <= (middle - shown.minimum) / span <= 0.85):

@@ -144,7 +144,7 @@ class Contact:
         self.flat = self.without_area(columns)
 
     def holds(self, positions: np.ndarray) -> bool:
-        """Whether the same vertices coincide at these (vertex_count, 3) positions, and no other triangle is flat."""
+        """Tells whether the same vertices coincide at (vertex_count, 3) positions, and no other triangle is flat."""
         columns = origin.columns_of(positions)
         together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
         apart = distinct(origin.place_keys(columns)) == self.group_count

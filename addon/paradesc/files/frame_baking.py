@@ -120,7 +120,7 @@ class Baker(Closing):
         return cache.key_of(base, self.stream.settings, method, names=self.request.settings.value_names(), **more)
 
     def is_kept(self, frame: int, content: str) -> bool:
-        """Whether the frame exists already with the same key and input."""
+        """Returns whether the frame exists already with the same key and input."""
         return not self.request.force and cache.kept(self.request.folder, frame, self.key, content)
 
     def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:

@@ -36,7 +36,7 @@ class MapChoice:
 
     @property
     def any(self) -> bool:
-        """Whether any map is given."""
+        """Returns whether any map is given."""
         return self.material or self.displacement is not None or self.normal_map is not None
 
 

@@ -64,7 +64,7 @@ def scale_of(shown: ValueRange, neutral: float) -> Scale:
 
 
 def is_signed(shown: ValueRange) -> bool:
-    """Whether a range puts its neutral value at the middle of the pixels."""
+    """Returns whether a range puts its neutral value at the middle of the pixels."""
     return shown.diverging and shown.neutral is not None
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file."""
+    """Returns whether there is a file."""
     return os.path.isfile(path)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is a folder."""
+    """Returns whether there is a folder."""
     return os.path.isdir(path)

@@ -36,7 +36,7 @@ class Baked:
 
     @property
     def at_faces(self) -> bool:
-        """Whether the results are values of triangles instead of vertices."""
+        """Returns whether the results are values of triangles instead of vertices."""
         return self.results.settings.domain == "faces"
 
     @property

@@ -15,7 +15,7 @@ WILD = re.compile(r"[*?\[]")
 
 
 def is_sequence(given: Path) -> bool:
-    """Whether a path stands for several files: a folder, or a pattern with # or * that is not itself a file."""
+    """Returns whether a path stands for several files: a folder, or a pattern with # or * that is not itself a file."""
     return is_folder(given) or (bool(HASHES.search(given.name) or WILD.search(given.name)) and not is_file(given))
 
 

@@ -31,7 +31,7 @@ def read(path: Path) -> PolygonMesh:
 
 
 def is_text(content: bytes) -> bool:
-    """Whether a file is text: it begins with "solid", and contains nothing that only binary files do."""
+    """Returns whether a file is text: it begins with "solid", and contains nothing that only binary files do."""
     begins = content[:FIRST_BYTES].removeprefix(MARK).lstrip()[:5].lower() == b"solid"
     if not begins or b"\0" in content[:FIRST_BYTES]:
         return False

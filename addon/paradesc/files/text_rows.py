@@ -62,7 +62,7 @@ def numbers_in(text: bytes, kind: type = np.float64) -> np.ndarray | None:
 
 
 def is_numeric(line: bytes, kind: type = np.float64) -> bool:
-    """Whether a line holds numbers only."""
+    """Returns whether a line holds numbers only."""
     found = numbers_in(line, kind)
     return found is not None and len(found) == len(line.split())
 

@@ -33,23 +33,23 @@ COUNTS = ("Point Count", "Face Corner Count")
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier is our carrying modifier with its nodes as we left them."""
+    """Returns whether a modifier is our carrying modifier with its nodes as we left them."""
     group = modifier.node_group if modifier.type == "NODES" else None
     return group is not None and is_own(group)
 
 
 def is_own(group: bpy.types.NodeTree) -> bool:
-    """Whether the nodes are ours, unedited, and read a carrier of ours; the carrier may have been deleted."""
+    """Returns whether the nodes are ours, unedited, and read a carrier of ours; the carrier may have been deleted."""
     return is_left(group) and (held_by(group) is None or is_carrier(held_by(group)))
 
 
 def is_left(group: bpy.types.NodeTree) -> bool:
-    """Whether a node group is ours and nobody has edited it."""
+    """Returns whether a node group is ours and nobody has edited it."""
     return group.get(MARK) == KIND and group.library is None and group.get(LEFT) == structure(group)
 
 
 def is_carrier(item: bpy.types.Object | None) -> bool:
-    """Whether an object is a carrier, which only holds the values of another object."""
+    """Returns whether an object is a carrier, which only holds the values of another object."""
     return item is not None and item.get(MARK) == KIND
 
 
@@ -228,7 +228,7 @@ def build(group: bpy.types.NodeTree, kinds: list[tuple[str, str]], by_place: boo
 
 
 def same_counts(group: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Whether a mesh has as many vertices and corners as the one that was measured."""
+    """Returns whether a mesh has as many vertices and corners as the one that was measured."""
     size = add_node(group, "GeometryNodeAttributeDomainSize", (-800, 200), component="MESH")
     both = add_node(group, "FunctionNodeBooleanMath", (-400, 100), operation="AND")
     group.links.new(geometry, size.inputs[0])

@@ -95,7 +95,7 @@ def image_node(tree: bpy.types.NodeTree, texture: Texture) -> bpy.types.Node:
 
 
 def is_as_left(node: bpy.types.Node) -> bool:
-    """Whether our node still has the image that we gave it, or none because that image is gone."""
+    """Returns whether our node still has the image that we gave it, or none because that image is gone."""
     return node.image is None or node.image.name == node.get(LEFT)
 
 

@@ -49,7 +49,7 @@ class Shown:
     size: float = 0.0  # of the mesh
 
     def fits(self, target: bpy.types.Object | None, image: bpy.types.Image | None) -> bool:
-        """Whether both are there, the mesh is the same, and the image is not another one of tiles by now."""
+        """Returns whether both are there, the mesh is the same, and the image is not another one of tiles by now."""
         if target is None or image is None or target.type != "MESH":
             return False
         return key_of(target.data) == self.mesh and can_show(image)
@@ -65,7 +65,7 @@ def key_of(block: bpy.types.ID) -> Key:
 
 
 def can_show(image: bpy.types.Image) -> bool:
-    """Whether the preview can show an image, which it cannot if the image is tiled."""
+    """Returns whether the preview can show an image, which it cannot if the image is tiled."""
     return image.source != "TILED"
 
 

@@ -120,7 +120,7 @@ def free_name(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> 
 
 
 def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool:
-    """Whether a texture's file, or those of all its tiles, are missing or are unchanged bakes of this owner.
+    """Returns whether a texture's file, or those of all its tiles, are missing or are unchanged bakes of this owner.
 
     A file that this .blend uses may have the mark of a former .blend.
     """
@@ -135,5 +135,5 @@ def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool
 
 
 def is_edited(image: bpy.types.Image) -> bool:
-    """Whether somebody has painted on an image, or has packed other contents than a bake's into the .blend."""
+    """Returns whether somebody has painted on an image, or has packed other contents than a bake's into the .blend."""
     return image.is_dirty or any(marks.owner_of(item.packed_file.data) is None for item in image.packed_files)

@@ -20,17 +20,17 @@ MOST_ASKED = 32
 
 
 def of_chosen(context: bpy.types.Context) -> bool:
-    """Whether faces are too large on the meshes that a bake takes, as it measures them. Only the first are checked."""
+    """Tells whether faces are too large on the meshes that a bake takes, as it measures them; checks the first only."""
     return every(targets.chosen(context)[:MOST_ASKED], context.scene.paradesc_animation.source)
 
 
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
-    """Whether faces of all these objects, at least one, are too large as this source measures them."""
+    """Returns whether faces of all these objects, at least one, are too large as this source measures them."""
     return bool(objects) and all(are_too_large(target, source) for target in objects)
 
 
 def are_too_large(target: bpy.types.Object, source: str) -> bool:
-    """Whether an object's faces are too large; never in other modes than object mode, in which people work on it."""
+    """Tells whether an object's faces are too large; never in other modes than object mode, in which people work."""
     if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
         return False
     modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)

@@ -75,13 +75,13 @@ def short(*values: np.ndarray) -> str:
 
 
 def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str) -> bool:
-    """Whether values match their fingerprint. Without one, or after a change of the faces, they count as untouched."""
+    """Tells whether values match their fingerprint. Without one, or if the faces changed, they count as untouched."""
     text = fingerprints(mesh).get(key, "")
     return text[:LETTERS] != faces or text[LETTERS:] == short(values)
 
 
 def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
-    """Whether one of our attributes still has the type, domain and values that we gave it."""
+    """Returns whether one of our attributes still has the type, domain and values that we gave it."""
     attribute = mesh.attributes[name]
     return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
 

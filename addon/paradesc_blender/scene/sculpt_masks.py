@@ -20,7 +20,7 @@ def values(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 
 def is_painted(mesh: bpy.types.Mesh) -> bool:
-    """Whether any vertex is masked."""
+    """Returns whether any vertex is masked."""
     found = values(mesh)
     return found is not None and bool(found.any())
 
@@ -74,7 +74,7 @@ def make_storage(target: bpy.types.Object) -> None:
 
 
 def sculpts_multires(target: bpy.types.Object) -> bool:
-    """Whether strokes change the levels of Multires, which add-ons cannot access."""
+    """Returns whether strokes change the levels of Multires, which add-ons cannot access."""
     shown = (item for item in target.modifiers if item.type == "MULTIRES" and item.show_viewport)
     return any(item.sculpt_levels > 0 and not item.use_sculpt_base_mesh for item in shown)
 

@@ -113,7 +113,7 @@ def lay_out(arrays: MeshArrays, starts: np.ndarray, gutter: float = packing.GUTT
 
 
 def has_area(arrays: MeshArrays) -> bool:
-    """Whether any triangle is wider than rounding."""
+    """Returns whether any triangle is wider than rounding."""
     first, second, third = (arrays.positions[arrays.triangle_vertices[:, k]].astype(np.float64) for k in range(3))
     squared = ((second - first) ** 2).sum(axis=1) + ((third - first) ** 2).sum(axis=1)
     return bool((np.linalg.norm(np.cross(second - first, third - first), axis=1) > 1e-6 * squared).any())

@@ -92,7 +92,7 @@ def own(mesh: bpy.types.Mesh) -> str:
 
 
 def may_make(target: bpy.types.Object) -> bool:
-    """Whether the mesh may get a map. With several maps, the user has to choose among them."""
+    """Returns whether the mesh may get a map. With several maps, the user has to choose among them."""
     others = [layer for layer in target.data.uv_layers if not layer.name.startswith(NAME)]
     return (
         len(others) < 2

@@ -68,7 +68,7 @@ def wanted(context: bpy.types.Context) -> Look:
 
 
 def is_shown(context: bpy.types.Context) -> bool:
-    """Whether the context's viewport is solid and shows attributes as after a bake."""
+    """Returns whether the context's viewport is solid and shows attributes as after a bake."""
     shading, look = context.space_data.shading, wanted(context)
     return all(getattr(shading, name) == look[name] for name in ("color_type", "light") if name in look)
 
@@ -134,7 +134,7 @@ def reveal_materials(context: bpy.types.Context) -> None:
 
 
 def can_restore(context: bpy.types.Context) -> bool:
-    """Whether the former shading of viewports is known."""
+    """Returns whether the former shading of viewports is known."""
     return context.screen is not None and (FORMER in context.screen or SOLID_BEFORE in context.screen)
 
 
@@ -162,7 +162,7 @@ def yield_to_mask(context: bpy.types.Context) -> None:
 
 
 def shows_ours(window: bpy.types.Window) -> bool:
-    """Whether a visible mesh in the window has active colors from a bake, or a material that a bake made it show."""
+    """Tells whether a visible mesh in the window has active colors from a bake, or a material that a bake made."""
     layer = window.view_layer  # not that of the context, where another window shows another scene
     visible = [item for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)]
     active = ((item.data, item.data.color_attributes.active_color) for item in visible)

@@ -11,7 +11,7 @@ from paradesc.files import cache
 from .properties import path_options
 
 # Files store choices as numbers.
-AS_SOURCE = ("source", "As Source", "What a single bake measures; of Base Mesh, how it is deformed")
+AS_SOURCE = ("source", "As Source", "Mesh that a single bake measures; Deformed in place of Base Mesh")
 DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
 
 
@@ -26,7 +26,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     )
     frame_source: bpy.props.EnumProperty(
         name="Frame Source",
-        description="Which mesh is measured at each frame",
+        description="Mesh that is measured at each frame",
         items=[*SOURCES[1:], AS_SOURCE],
         default=AS_SOURCE[0],
     )

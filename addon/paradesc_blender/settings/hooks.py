@@ -59,7 +59,7 @@ def take_down(handlers: Handlers) -> None:
 
 
 def is_same(hook: object, function: object) -> bool:
-    """Whether a handler is this function, even from an earlier import."""
+    """Returns whether a handler is this function, even from an earlier import."""
     return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)
 
 

@@ -87,7 +87,7 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
         name="Type", description="Numbers of the color attribute", items=PACKED_KINDS, default="FLOAT_COLOR"
     )
     pack_domain: bpy.props.EnumProperty(
-        name="Domain", description="What each color of the attribute belongs to", items=PACKED_DOMAINS, default="POINT"
+        name="Domain", description="Part of the mesh that has a color of its own", items=PACKED_DOMAINS, default="POINT"
     )
 
 

@@ -76,7 +76,7 @@ def found() -> PARADESC_AP_preferences | None:
 
 
 def shows_research() -> bool:
-    """Whether the panels draw every setting."""
+    """Returns whether the panels draw every setting."""
     preferences = found()
     return preferences is not None and preferences.research_settings
 
@@ -88,7 +88,7 @@ def memory_limit() -> int:
 
 
 def shows_results() -> bool:
-    """Whether viewports show the results of a bake at once."""
+    """Returns whether viewports show the results of a bake at once."""
     preferences = found()
     return True if preferences is None else preferences.show_results
 

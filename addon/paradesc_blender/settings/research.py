@@ -25,7 +25,7 @@ PARTS = {"neutral": "use_neutral"}
 
 
 def is_hidden(group: bpy.types.PropertyGroup, name: str) -> bool:
-    """Whether the panels hide this setting of a scene."""
+    """Returns whether the panels hide this setting of a scene."""
     return name in RESEARCH.get(group.path_from_id(), ()) and not preferences.shows_research()
 
 

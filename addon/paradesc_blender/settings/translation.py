@@ -45,7 +45,7 @@ def tooltip(text: str) -> str:
 
 
 def can_run(operator: type, obstacle: str) -> bool:
-    """Whether there is no obstacle to an operator. The sentence about one becomes the tooltip of its grey button."""
+    """Tells whether an operator has no obstacle. The sentence about one becomes the tooltip of its grey button."""
     if obstacle:
         operator.poll_message_set(tooltip(obstacle))
     return not obstacle

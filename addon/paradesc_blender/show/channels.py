@@ -38,7 +38,7 @@ def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
 
 
 def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
-    """Whether this module made the attribute, and nobody has painted on it since."""
+    """Returns whether this module made the attribute, and nobody has painted on it since."""
     if attribute.name not in own_names(mesh, "attributes") or attribute.data_type not in arrays.MEMBERS:
         return False
     values, faces = arrays.attribute_values(attribute), ownership.faces_of(mesh)
@@ -109,7 +109,7 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
 
 
 def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
-    """Whether this module made the vertex group, and nobody has painted its weights since."""
+    """Returns whether this module made the vertex group, and nobody has painted its weights since."""
     mesh = target.data
     if group.name not in own_names(mesh, "groups"):
         return False

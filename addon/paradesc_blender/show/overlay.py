@@ -63,7 +63,7 @@ def draw() -> None:
         draw_texts(*place, width, scale, text, [(0.5, translation.label(legend.DIRECTIONS))])
         return
     draw_bar(*place, width, scale, shown)
-    draw_texts(*place, width, scale, text, legend.ticks(shown))
+    draw_texts(*place, width, scale, text, legend.ticks(name, shown))
 
 
 def below(area: bpy.types.Area) -> float:

@@ -33,7 +33,7 @@ def own_nodes(tree: bpy.types.NodeTree | None, mark: str) -> list[bpy.types.Node
 
 
 def passes(node: bpy.types.Node, passed: Passed) -> bool:
-    """Whether the shader inputs that the node was inserted for depend on it, directly or through nodes of ours."""
+    """Tells whether shader inputs that the node was inserted for depend on it, directly or through nodes of ours."""
     return any(
         link.to_socket.name == name for name, output in there(node, passed) for link in node.outputs[output].links
     )

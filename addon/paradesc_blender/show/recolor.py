@@ -29,12 +29,12 @@ def baked_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def is_usable(mesh: bpy.types.Mesh, name: str) -> bool:
-    """Whether an attribute still has a type and domain that Blender can convert to those of a bake."""
+    """Returns whether an attribute still has a type and domain that Blender can convert to those of a bake."""
     return arrays.kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)
 
 
 def is_direction(name: str) -> bool:
-    """Whether the values are vectors, whose colors have no scale."""
+    """Returns whether the values are vectors, whose colors have no scale."""
     return registry_row(name).components == 3
 
 
@@ -144,7 +144,7 @@ class NeedsBake:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether the operator can run; the button's tooltip says why not."""
+        """Returns whether the operator can run; the button's tooltip says why not."""
         return translation.can_run(cls, obstacle(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -18,7 +18,7 @@ def leave(block: bpy.types.Material | bpy.types.NodeTree) -> None:
 
 
 def is_as_left(block: bpy.types.Material | bpy.types.NodeTree) -> bool:
-    """Whether a material or node group has neither been renamed nor changed since it was made."""
+    """Returns whether a material or node group has neither been renamed nor changed since it was made."""
     return block.get(PROPERTY) == fingerprint(block)
 
 

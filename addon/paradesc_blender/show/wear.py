@@ -100,7 +100,7 @@ def fault(target: bpy.types.Object) -> str:
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
-    """Whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
+    """Returns whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
     material = target.active_material
     users = [item for item in bpy.data.objects if material in [slot.material for slot in item.material_slots]]
     sharing = [item.data for item in users if material is not None]
@@ -117,6 +117,8 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     if sentence:
         raise InputError(sentence)
     material = target.active_material
+    if material is not None and look in LOOKS and is_other_look(material, LOOKS[look]):
+        return exchange(target, LOOKS[look], of_images)
     if material is None:
         return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
     if material.node_tree is None or not (bpy.app.version >= (5, 0, 0) or material.use_nodes):  # since 5 all have nodes
@@ -213,8 +215,20 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     return f'"{target.name}" had no material, and now has "{material.name}".'
 
 
+def is_other_look(material: bpy.types.Material, name: str) -> bool:
+    """Returns whether a material is another look than this one, and nobody has changed it."""
+    return is_look(material) and material[MARK] != name and tuned.is_as_left(material)
+
+
+def exchange(target: bpy.types.Object, name: str, of_images: bool) -> list[str]:
+    """Gives an object another look in place of its own, whose colors would tint the other one; returns no notes."""
+    take_away(target, target.active_material_index)
+    assign(target, name, of_images)
+    return []
+
+
 def is_look(material: bpy.types.Material) -> bool:
-    """Whether a material is a look that was given to an object without material."""
+    """Returns whether a material is a look that was given to an object without material."""
     return material.get(MARK) in LOOKS.values()
 
 
@@ -232,7 +246,7 @@ def as_left(targets: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 
 def has_wear(material: bpy.types.Material | None) -> bool:
-    """Whether the colors of a material pass through the group."""
+    """Returns whether the colors of a material pass through the group."""
     nodes = own_nodes(material.node_tree, GROUP) if material is not None else []
     return any(passes(node, PASSED) for node in nodes)
 

@@ -6,7 +6,7 @@ from paradesc import bridge
 from paradesc.core import advice, color_maps
 
 from ..bake.fit import PANEL
-from ..scene import targets, viewports
+from ..scene import large_faces, targets, viewports
 from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
@@ -67,19 +67,19 @@ def draw_extremes(
     percent: float,
     again: tuple[str, set[str]],
 ) -> None:
-    """Draws a warning if nearly all of a mask is black or white, with buttons for the next smaller and larger radius.
+    """Draws a warning if nearly all of a mask of edges is white, with buttons for a smaller and a larger radius.
 
-    seen: the extremes of the mask; percent: the radius in percent of the diagonal; again: the operator that baked the
-    mask, and its descriptors.
+    Nothing is wrong with one that is black, or white if it is inverted: a cube has no hollows. If faces are too large,
+    which the panel says above, no radius helps. seen: the extremes of the mask; percent: the radius in percent of the
+    diagonal; again: the operator that baked the mask, and its descriptors.
     """
-    sides = {"dark": "Most of it is black", "bright": "Most of it is white"}
-    sentence = next((words for word, words in sides.items() if seen.get(word, 0.0) > color_maps.MOST_EXTREME), "")
-    if not (sentence and percent > 0):
-        return
     operator, names = again
+    is_white = seen.get("bright", 0.0) > color_maps.MOST_EXTREME and not context.scene.paradesc_looks.invert
+    if not (is_white and percent > 0 and names & color_maps.EDGES) or large_faces.of_chosen(context):
+        return
     masks = presets.masks_of(names)
     column = layout.column(align=True)
-    sentence_lines(context, column, sentence, "INFO")
+    sentence_lines(context, column, "Most of it is white", "INFO")
     row = column.row(align=True)
     for text, step in (("Finer", -1), ("Broader", 1)):
         asked = row.operator(operator, text=label(text), translate=False)
