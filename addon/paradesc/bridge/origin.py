@@ -10,26 +10,33 @@ from .library import InputError
 LARGEST = float(np.finfo(np.float32).max)
 # If rounding moves vertices by a larger share of the mean edge than this, the values show it.
 ROUNDING_THAT_SHOWS = 1e-3
+# Four bits of the 24 of a float.
+VERY_FAR = 16.0
 
 
 def far_center(points: np.ndarray) -> np.ndarray | None:
-    """(3,) float64 middle of (n, 3) positions if most lie farther from the origin than they span, else None.
+    """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span, else None.
 
-    A few that lie elsewhere do not count: vertices without a face are often left at the origin. It runs several times
-    for each frame, so a sample decides.
+    A few that lie elsewhere do not count if the others are very far: vertices without a face are often left at the
+    origin. A sample shows of most meshes that they are not far, as this runs several times for each frame.
     """
     if len(points) == 0:
         return None
     some = np.sort(points[:: len(points) // 64 + 1].astype(np.float64), axis=0)
     few = len(some) // 16
+    low, high = some[few], some[-1 - few]
     with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
-        return middle_if_far(some[few], some[-1 - few])
+        if not is_far(low, high):
+            return None
+        ends = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+        if is_far(*ends):
+            return ends[0] / 2 + ends[1] / 2
+        return low / 2 + high / 2 if is_far(low, high, VERY_FAR) else None
 
 
-def middle_if_far(low: np.ndarray, high: np.ndarray) -> np.ndarray | None:
-    """(3,) middle of a box if it lies farther from the origin than the box is wide, else None."""
-    center = low / 2 + high / 2
-    return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
+def is_far(low: np.ndarray, high: np.ndarray, times: float = 1.0) -> bool:
+    """Returns whether the middle of a box is farther from the origin, along an axis, than so many times its width."""
+    return bool(np.abs(low / 2 + high / 2).max() > times * 2 * (high / 2 - low / 2).max())
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
