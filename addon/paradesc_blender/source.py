@@ -59,7 +59,7 @@ class SceneSource:
         """The objects that --all or --object ask for, or the one that stands out."""
         arguments = self.arguments
         if arguments.all:
-            return Opened(*scene_io.all_objects(getattr(arguments, "source", None) or arguments.usual_source))
+            return Opened(*scene_io.all_objects(arguments.source or arguments.usual_source))
         if arguments.object:
             return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)])
         return Opened([self.one(None)])
@@ -123,7 +123,7 @@ class SceneSource:
         """Reads the object's mesh, by --source before or after modifiers."""
         arguments = self.arguments
         shape = arguments.shape_key or "basis"
-        buffers = getattr(arguments, "dump_buffers", None) is not None
+        buffers = arguments.dump_buffers is not None
         maps, remedy = map_sources(arguments), "give --space world"
         request = targets.ReadRequest(shape, maps, arguments.source, buffers, saves_scene(arguments), remedy)
         with quiet(arguments.verbose):
@@ -187,14 +187,12 @@ class SceneSource:
             group, animated = scene.paradesc, scene.paradesc_animation
             if not arguments.source:
                 arguments.source = animated.source if usual == "original" else animation.frame_source(animated)
-            if not getattr(arguments, "relative_to_rest", True):
-                arguments.relative_to_rest = animated.relative_to_rest
+            arguments.relative_to_rest = arguments.relative_to_rest or animated.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key
-            if getattr(arguments, "cage", None) is None:
+            if arguments.cage is None:
                 arguments.cage = group.cage
-            has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
-            given = getattr(arguments, "material_maps", False)
-            arguments.material_maps = given or (group.material_maps and not has_files)
+            if not (arguments.displacement or arguments.normal_map):
+                arguments.material_maps = arguments.material_maps or group.material_maps
             return properties.job_settings(group)
 
     def look(self) -> Look:
@@ -205,10 +203,6 @@ class SceneSource:
     def presets(self) -> list[preset_folders.Row]:
         """The presets of Blender's folders."""
         return preset_folders.every_row()
-
-    def preset(self, name: str) -> preset_folders.Row | None:
-        """The preset of this name in one of Blender's folders."""
-        return preset_folders.row_named(name)
 
 
 @contextmanager

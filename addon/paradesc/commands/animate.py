@@ -21,9 +21,7 @@ HELP = "compute descriptors at frames of an animation into a frame cache"
 
 def add_options(parser: common.Parser) -> None:
     """The command's options."""
-    options.add_input(parser)
-    common.add_objects_options(parser)
-    options.add_source(parser, "deformed")
+    options.add_objects(parser, "deformed")
     options.add_computation_options(parser)
     options.add_map_options(parser)
     add = parser.add_argument
@@ -39,18 +37,15 @@ def add_options(parser: common.Parser) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the missing frames; returns the report on all frames that exist then."""
-    options.settings_of(arguments)
-    options.check_preset(arguments.preset)
+    options.check(arguments)
     chosen = animate_files.parse_frames(arguments.frames)
-    if arguments.all and arguments.object:
-        raise common.UsageError("Give --object or --all, not both.")
     source = animate_files.source_of_frames(arguments)
     notes = source.open()
     opened = source.picked()
     settings = options.opened_settings(arguments)
     if isinstance(source, animate_files.SequenceSource):
         arguments.source = animate_files.SOURCE
-    notes += opened.notes + options.notes_of_preset(arguments.preset_content, has_colors=False)
+    notes += opened.notes + options.notes_of_preset(arguments)
     wanted, root = chosen or source.frame_range(), source.cache_folder()
     reports = []
     with common.Progress(arguments.progress) as progress:

@@ -92,11 +92,6 @@ def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target
 # ---- Baking
 
 
-def part_of(target: Target, read: Read) -> transfer.Part:
-    """The object as transfer takes it: as it was read, with its place in the world."""
-    return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
-
-
 def run_onto(
     source: Source,
     low: Target,
@@ -110,12 +105,13 @@ def run_onto(
     """Measures the detailed objects for one low-poly object; also returns notes about how they were read."""
     if read.arrays.map_fault:
         raise InputError(f'The mesh "{source.mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
-    parts, notes = [], []
-    for high in highs:
-        found = source.read_high(high, settings)
-        # The detailed object itself gets no results, so notes about where they would go are left out.
-        notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
-        parts.append(part_of(high, found))
+    found = [source.read_high(high, settings) for high in highs]
+    # The detailed objects themselves get no results, so notes about where they would go are left out.
+    notes = [note for one in found for note in one.notes if one.reading is None or note not in one.reading.notes]
+    onto, *parts = (
+        transfer.Part(target.name, one.arrays, one.measured, world_matrix(target))
+        for target, one in zip((low, *highs), (read, *found), strict=True)
+    )
     size, cage = settings.options.texels, arguments.cage or 0.0
-    results = transfer.run(part_of(low, read), parts, settings, size, cage, progress, tiles)
+    results = transfer.run(onto, parts, settings, size, cage, progress, tiles)
     return results, [*notes, *results.notes]

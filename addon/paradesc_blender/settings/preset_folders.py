@@ -90,10 +90,3 @@ def forget() -> None:
 def every_row() -> list[Row]:
     """The presets of all folders, the user's own first."""
     return [row for folder in (own_folder(), *shared_folders()) for row in rows_in(folder)]
-
-
-def row_named(name: str) -> Row | None:
-    """The preset whose name or file name this is; usable ones come first."""
-    wanted = name.casefold()
-    found = [row for row in every_row() if wanted in (row.name.casefold(), row.path.stem.casefold())]
-    return min(found, key=lambda row: bool(row.fault), default=None)
