@@ -60,9 +60,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
                 reports.append(report_of(baker, wanted, bake_frames(baker, wanted, part)))
             if arguments.range:
                 cache.write_fixed(folder, dict(arguments.range))
-    shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
+    shared = cache.locked_ranges(dict.fromkeys(sorted(path for path in root.iterdir() if path.is_dir()), ""))
     for report in reports:
-        report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
+        report["ranges"] = cache.locked_ranges({Path(report["folder"]): report["key"]})
         print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
     common.print_notes(notes)
