@@ -177,7 +177,7 @@ def found_preset(arguments: argparse.Namespace) -> Content | None:
     if name is None:
         return None
     if name in PRESETS:
-        return PRESETS[name].content()
+        return PRESETS[name]
     if is_preset_file(name):
         return preset_rules.sound(Path(name))
     if has_blender():
