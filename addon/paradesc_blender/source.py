@@ -180,14 +180,12 @@ class SceneSource(Source):
             group, animated = scene.paradesc, scene.paradesc_animation
             if not arguments.source:
                 arguments.source = animated.source if usual == "original" else animation.frame_source(animated)
-            if not getattr(arguments, "relative_to_rest", True):
-                arguments.relative_to_rest = animated.relative_to_rest
+            arguments.relative_to_rest = arguments.relative_to_rest or animated.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key
-            if getattr(arguments, "cage", None) is None:
+            if arguments.cage is None:
                 arguments.cage = group.cage
-            has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
-            given = getattr(arguments, "material_maps", False)
-            arguments.material_maps = given or (group.material_maps and not has_files)
+            if not (arguments.displacement or arguments.normal_map):
+                arguments.material_maps = arguments.material_maps or group.material_maps
             return properties.job_settings(group)
 
     def look(self) -> Look:
@@ -195,9 +193,8 @@ class SceneSource(Source):
         with scene_settings() as scene:
             return scene_look(scene)
 
-    # The presets of Blender's folders, and the one of a name.
+    # The presets of Blender's folders.
     presets = staticmethod(preset_folders.every_row)
-    preset = staticmethod(preset_folders.row_named)
 
 
 @contextmanager

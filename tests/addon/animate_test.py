@@ -83,7 +83,7 @@ def test_swelling_sphere_has_the_curvature_of_its_radius_and_the_change(tmp_path
         change = values(tmp_path, frame, "mean_curvature_change")
         assert np.median(change) == pytest.approx(1 / radius - 1 / 2, abs=0.01)
     assert (values(tmp_path, 1, "mean_curvature_change") == 0).all()
-    shown = cache.locked_ranges([tmp_path])
+    shown = cache.locked_ranges({tmp_path: ""})
     assert shown["mean_curvature"].maximum == pytest.approx(0.5, rel=0.02)
     assert shown["mean_curvature_change"].minimum == pytest.approx(-0.25, rel=0.05)
 
@@ -148,7 +148,7 @@ def test_parts_of_two_machines_merge_by_copying(tmp_path):
     for path in (tmp_path / "other").iterdir():
         path.rename(tmp_path / "one" / path.name)
     assert contents(tmp_path / "one") == contents(tmp_path / "whole")
-    assert cache.locked_ranges([tmp_path / "one"]) == cache.locked_ranges([tmp_path / "whole"])
+    assert cache.locked_ranges({tmp_path / "one": ""}) == cache.locked_ranges({tmp_path / "whole": ""})
 
 
 def test_baking_frames_leaves_the_scene_as_it_is(tmp_path):

@@ -93,7 +93,7 @@ def test_beside_the_window_the_files_are_the_same(pair, tmp_path):
 
 def test_one_range_spans_all_frames_of_all_objects_when_they_are_played(pair):
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
-    shown = cache.ranges_over([(folder, "") for folder in folders(pair)], looks.scene_look(bpy.context.scene))[NAME]
+    shown = cache.locked_ranges(dict.fromkeys(folders(pair), ""), looks.scene_look(bpy.context.scene))[NAME]
     assert shown.maximum > 0.95
     for item in pair:
         assert switch(item, "CACHE") == ""

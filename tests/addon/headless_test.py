@@ -1,5 +1,6 @@
 """The command line for pipelines: reports, checks, exit codes, the manual, the add-on, mostly in this process."""
 
+import argparse
 import json
 import math
 import os
@@ -324,9 +325,9 @@ def test_every_preset_of_the_panel_is_one_here():
     from paradesc_blender.settings import presets
 
     for name in presets.PRESETS:
-        settings = preset_rules.settings_of(found_preset(name), None)
+        settings = preset_rules.settings_of(found_preset(argparse.Namespace(preset=name)), None)
         job.check_descriptors(settings.descriptors)
-        assert set(settings.descriptors) == presets.PRESETS[name].members["descriptors"]
+        assert set(settings.descriptors) == set(presets.PRESETS[name].settings["descriptors"])
 
 
 def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphere_obj):

@@ -204,7 +204,7 @@ def test_every_preset_is_in_the_manual(registered):
 
     text = (MANUAL / "presets.md").read_text(encoding="utf-8")
     for name, preset in presets.PRESETS.items():
-        assert f"| {preset.label} |" in text
+        assert f"| {preset.name} |" in text
         assert f"`{name}`" in REFERENCE.read_text(encoding="utf-8")
 
 

@@ -80,7 +80,7 @@ def test_colors_are_by_the_range_over_all_frames(swelling):
     bpy.context.scene.frame_set(11)
     play(swelling)
     folder = animation_settings.object_cache(bpy.context.scene, swelling)
-    shown = cache.locked_ranges([folder])[NAME]
+    shown = cache.locked_ranges({folder: ""})[NAME]
     assert shown.maximum == pytest.approx(0.5, rel=0.02)
     expected = color_maps.linear_rgba(color_maps.colors(attribute_values(swelling.data, NAME), shown))
     np.testing.assert_allclose(attribute_values(swelling.data, f"{NAME}_color"), expected, atol=1e-3)

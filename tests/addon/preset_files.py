@@ -30,5 +30,4 @@ def own_folder(monkeypatch, tmp_path):
     folder.mkdir(parents=True)
     monkeypatch.setattr(bpy.utils, "user_resource", lambda _kind, path="", create=False: str(tmp_path / "user" / path))
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _path: [str(folder)])
-    preset_folders.forget()
     return folder

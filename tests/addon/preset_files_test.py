@@ -13,7 +13,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import members  # noqa: E402
 from paradesc.files import preset_file, preset_rules  # noqa: E402
-from paradesc_blender.settings import preset_folders, presets  # noqa: E402
+from paradesc_blender.settings import presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
@@ -62,8 +62,7 @@ BYTES = {
 @pytest.fixture
 def own(monkeypatch, tmp_path):
     """An empty folder in place of the user's own presets."""
-    yield own_folder(monkeypatch, tmp_path)
-    preset_folders.forget()
+    return own_folder(monkeypatch, tmp_path)
 
 
 @pytest.fixture
@@ -198,7 +197,7 @@ def test_what_a_file_does_not_name_gets_its_default_and_sections_that_are_missin
 
 def test_our_own_presets_say_colors_and_images_too(monkeypatch):
     scene = bpy.context.scene
-    preset = presets.Preset("Mask", "A mask", {"samples": 32}, {"color_map": "grey"}, {"texels": 1024})
+    preset = preset_file.Content("Mask", "A mask", {"samples": 32}, {"color_map": "grey"}, {"texels": 1024})
     monkeypatch.setitem(presets.PRESETS, "cavity", preset)
     scene.paradesc_looks.color_map, scene.paradesc_looks.percentile = "heat", 9.0
     bpy.ops.paradesc.preset(name="cavity")
@@ -209,8 +208,8 @@ def test_our_own_presets_say_colors_and_images_too(monkeypatch):
 def test_all_of_our_own_presets_are_sound(tmp_path):
     for name, preset in presets.PRESETS.items():
         path = tmp_path / f"{name}.json"
-        preset_file.write(path, preset.content())
-        assert preset_rules.sound(path) == preset.content()
+        preset_file.write(path, preset)
+        assert preset_rules.sound(path) == preset
 
 
 # ---- Refused
@@ -292,7 +291,7 @@ def test_the_menu_lists_ours_then_the_users_then_those_of_the_shared_folder(own,
     written(shared)
     (shared / "broken.json").write_text("{")
     (shared / "notes.txt").write_text("no preset")
-    ours = [(preset.label, True) for preset in presets.PRESETS.values()]
+    ours = [(preset.name, True) for preset in presets.PRESETS.values()]
     listed = [*ours, "---", ("Ape", True), ("zebra", True), "---", ("broken.json", False), ("Studio Cavity", True)]
     assert drawn() == listed
     asked = SimpleNamespace(filepath=str(shared / "broken.json"))
@@ -307,7 +306,6 @@ def test_an_open_menu_reads_no_file_twice_and_sees_what_has_changed(own, monkeyp
     monkeypatch.setattr(preset_rules, "sound", lambda path: read.append(path) or whole(path))
     for _ in range(3):
         drawn()
-    monkeypatch.setattr(preset_folders, "PATIENCE", 1e-9)
     drawn()
     assert read == [path]
     path.write_text("{")
@@ -318,7 +316,7 @@ def test_an_open_menu_reads_no_file_twice_and_sees_what_has_changed(own, monkeyp
 def test_folders_that_are_missing_or_closed_leave_the_menu_whole(own, preferences, tmp_path):
     preferences.presets_folder = str(tmp_path / "nowhere")
     own.rmdir()
-    assert drawn() == [(preset.label, True) for preset in presets.PRESETS.values()]
+    assert drawn() == [(preset.name, True) for preset in presets.PRESETS.values()]
 
 
 def test_only_presets_raise_the_error_of_presets():

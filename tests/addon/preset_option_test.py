@@ -4,7 +4,6 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc_blender.settings import preset_folders  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import add_sphere, saved_scene  # noqa: E402
 
@@ -58,7 +57,6 @@ def test_a_preset_is_found_by_its_name_among_the_users_own(run, report, sphere_o
     assert ended.code == 2
     assert "edge_wear" in ended.error
     assert "Studio Cavity" in ended.error
-    preset_folders.forget()
 
 
 def test_frames_take_a_preset_and_say_what_they_have_no_use_for(run, report, tmp_path):

@@ -26,9 +26,9 @@ def test_a_preset_bakes_what_it_is_for(settings, name):
     assert bpy.ops.paradesc.preset(name=name) == {"FINISHED"}
     settings.backend, settings.samples, settings.buffer_size = "software", 64, 512
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
-    for descriptor in presets.PRESETS[name].members["descriptors"]:
+    for descriptor in presets.PRESETS[name].settings["descriptors"]:
         assert np.isfinite(attribute_values(target.data, descriptor)).all()
-    assert presets.PARADESC_MT_presets.bl_label == presets.PRESETS[name].label
+    assert presets.PARADESC_MT_presets.bl_label == presets.PRESETS[name].name
 
 
 def test_a_preset_takes_back_all_others_but_leaves_device_object_and_output(settings):
@@ -43,7 +43,7 @@ def test_a_preset_takes_back_all_others_but_leaves_device_object_and_output(sett
 def test_every_preset_says_what_it_is_for_and_names_only_settings_there_are():
     for preset in presets.PRESETS.values():
         assert len(preset.purpose) > 30
-        assert set(preset.members) <= set(preset_rules.setting_members())
+        assert set(preset.settings) <= set(preset_rules.rules()["settings"])
 
 
 # ---- Fields

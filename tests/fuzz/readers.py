@@ -97,7 +97,7 @@ def read_frame(source: random.Random, folder: Path) -> bool:
     claim(all(array.dtype == np.float32 for array in arrays), "an array is of another type")
     for shown in cache.ranges([frame]).values():
         claim(shown.minimum < shown.maximum and np.isfinite([shown.minimum, shown.maximum]).all(), "a range is none")
-    cache.locked_ranges([folder])
+    cache.locked_ranges({folder: ""})
     return True
 
 

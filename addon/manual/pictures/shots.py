@@ -158,10 +158,10 @@ def draw_presets(path: str) -> None:
     for name, preset in PRESETS.items():
         bpy.ops.paradesc.preset(name=name)
         bpy.ops.paradesc.bake()
-        first = next(row.name for row in bridge.descriptors() if row.name in preset.members["descriptors"])
+        first = next(row.name for row in bridge.descriptors() if row.name in preset.settings["descriptors"])
         studio.show_color(item, f"{first}_color")
         tiles.append(studio.tile([item], (475, 480), View(-28, 8), FLAT_SAMPLES, lit=False))
-    studio.save(studio.sheet(tiles, [preset.label for preset in PRESETS.values()], -(-len(tiles) // 2)), path)
+    studio.save(studio.sheet(tiles, [preset.name for preset in PRESETS.values()], -(-len(tiles) // 2)), path)
 
 
 def decimate(item: bpy.types.Object, ratio: float) -> None:

@@ -21,9 +21,7 @@ HELP = "compute descriptors at frames of an animation into a frame cache"
 
 def add_options(parser: common.Parser) -> None:
     """The command's options."""
-    options.add_input(parser)
-    common.add_objects_options(parser)
-    options.add_source(parser, "deformed")
+    options.add_objects(parser, "deformed")
     options.add_computation_options(parser)
     options.add_map_options(parser)
     add = parser.add_argument
@@ -39,18 +37,15 @@ def add_options(parser: common.Parser) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the missing frames; returns the report on all frames that exist then."""
-    options.settings_of(arguments)
-    options.check_preset(arguments.preset)
+    options.check(arguments)
     chosen = animate_files.parse_frames(arguments.frames)
-    if arguments.all and arguments.object:
-        raise common.UsageError("Give --object or --all, not both.")
     source = animate_files.source_of_frames(arguments)
     notes = source.open()
     opened = source.picked()
     settings = options.opened_settings(arguments)
     if isinstance(source, animate_files.SequenceSource):
         arguments.source = animate_files.SOURCE
-    notes += opened.notes + options.notes_of_preset(arguments.preset_content, has_colors=False)
+    notes += opened.notes + options.notes_of_preset(arguments)
     wanted, root = chosen or source.frame_range(), source.cache_folder()
     reports = []
     with common.Progress(arguments.progress) as progress:
@@ -65,9 +60,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
                 reports.append(report_of(baker, wanted, bake_frames(baker, wanted, part)))
             if arguments.range:
                 cache.write_fixed(folder, dict(arguments.range))
-    shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
+    shared = cache.locked_ranges(dict.fromkeys(sorted(path for path in root.iterdir() if path.is_dir()), ""))
     for report in reports:
-        report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
+        report["ranges"] = cache.locked_ranges({Path(report["folder"]): report["key"]})
         print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
     common.print_notes(notes)

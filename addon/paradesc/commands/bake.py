@@ -21,9 +21,7 @@ HELP = "compute descriptors and write them to files"
 
 def add_options(parser: common.Parser) -> None:
     """The command's options."""
-    options.add_input(parser)
-    common.add_objects_options(parser)
-    options.add_source(parser, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
+    options.add_objects(parser, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
     options.add_computation_options(parser)
     options.add_map_options(parser)
     pairs.add_pair_options(parser)
@@ -50,7 +48,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     notes = source.open()
     opened = pairs.picked(source, arguments)
     settings = options.opened_settings(arguments)
-    notes += opened.notes + options.notes_of_preset(arguments.preset_content, has_colors=True)
+    notes += opened.notes + options.notes_of_preset(arguments, has_colors=True)
     check_values(arguments, settings)
     common.check_overwriting(files_of(arguments), common.open_file(), arguments.force)
     read = time.monotonic()
@@ -88,18 +86,15 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 def check(arguments: argparse.Namespace) -> None:
     """Refuses options that contradict each other, before any file is opened."""
     if arguments.pack and arguments.descriptors is None:
-        arguments.descriptors = ",".join(arguments.pack)
-    settings = options.settings_of(arguments)
+        arguments.descriptors = arguments.pack
+    settings = options.check(arguments)
     lacking = [name for name in arguments.pack if name not in settings.descriptors]
     if lacking:
         raise common.UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
-    options.check_preset(arguments.preset)
     check_files(arguments)
     for given in (arguments.from_file, arguments.displacement, arguments.normal_map):
         common.check_overwriting(files_of(arguments), given, arguments.force)
     pairs.check_pair_options(arguments)
-    if arguments.all and arguments.object:
-        raise common.UsageError("Give --object or --all, not both.")
     if arguments.corner_threshold is not None:
         corners.check_threshold(arguments.corner_threshold)
     if arguments.material_maps and (arguments.displacement or arguments.normal_map):

@@ -56,17 +56,14 @@ def exit_code(error: BaseException) -> int:
     return EXIT_INTERRUPTED if isinstance(error, KeyboardInterrupt) else EXIT_FAILED
 
 
-def add_output_options(parser: argparse.ArgumentParser) -> None:
+def add_output_options(parser: Parser) -> None:
     """Adds the options that control what a command prints, and where."""
-    parser.add_argument(
-        "--json", metavar="FILE", type=Path, help="write a report as JSON, also when it fails; - prints it"
-    )
-    parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
-    parser.add_argument("--verbose", action="store_true", help="show what Blender itself prints")
-    parser.add_argument(
-        "--also", metavar="WORDS", action="append", default=[],
-        help="more of these options in one word, as job descriptions pass them; may be empty",
-    )  # fmt: skip
+    add = parser.add_argument
+    add("--json", metavar="FILE", type=Path, help="write a report as JSON, also when it fails; - prints it")
+    add("--quiet", "-q", action="store_true", help="print errors only")
+    add("--verbose", action="store_true", help="show what Blender itself prints")
+    add("--also", metavar="WORDS", action="append", default=[],
+        help="more of these options in one word, as job descriptions pass them; may be empty")  # fmt: skip
 
 
 def with_also(words: list[str]) -> list[str]:
@@ -85,11 +82,16 @@ def with_also(words: list[str]) -> list[str]:
     return found
 
 
+def refuse(fault: str) -> None:
+    """Raises a fault of the arguments, unless the sentence is empty."""
+    if fault:
+        raise UsageError(fault)
+
+
 def check_outputs(paths: list[Path | None]) -> None:
     """Refuses outputs that cannot be written, before anything is computed; "-" is the standard output."""
-    for fault in [file_fault(path) for path in paths if path and str(path) != "-"]:
-        if fault:
-            raise UsageError(fault)
+    for path in paths:
+        refuse(file_fault(path) if path and str(path) != "-" else "")
 
 
 def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> None:
@@ -119,18 +121,9 @@ def open_file() -> Path | None:
     return Path(blender.data.filepath) if blender is not None and blender.data.filepath else None
 
 
-def add_objects_options(parser: argparse.ArgumentParser) -> None:
-    """Adds the options that choose objects: none, one, several or all."""
-    parser.add_argument(
-        "--object", action="append", default=[], metavar="NAME",
-        help="a mesh object; give it again for more (default: a .blend's active one, else the largest)",
-    )  # fmt: skip
-    parser.add_argument("--all", action="store_true", help="every mesh object that renders")
-
-
 def saves_scene(arguments: argparse.Namespace) -> bool:
     """Whether a .blend is among the outputs, so that results have to be written to the scene's objects."""
-    return any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", None) or ())
+    return any(path.suffix.lower() == ".blend" for path in arguments.output)
 
 
 def print_notes(sentences: list[str]) -> None:

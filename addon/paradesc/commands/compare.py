@@ -3,8 +3,8 @@
 import argparse
 
 from ..core import compare
+from . import options
 from .common import Parser, Progress, UsageError, print_notes
-from .options import add_mesh_options, check_preset, notes_of_preset, opened_settings, settings_of
 from .sources import source_of
 
 COLUMNS = (
@@ -23,27 +23,26 @@ HELP = "compare a device's results with those of the reference"
 
 def add_options(parser: Parser) -> None:
     """The command's options."""
-    add_mesh_options(parser)
-    parser.add_argument(
-        "--fail-over-error",
-        type=float,
-        metavar="PERCENT",
-        help="end with code 5 if a descriptor's mean error is larger",
-    )
+    options.add_input(parser)
+    add = parser.add_argument
+    add("--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)")
+    options.add_computation_options(parser)
+    add("--fail-over-error", type=float, metavar="PERCENT",
+        help="end with code 5 if a descriptor's mean error is larger")  # fmt: skip
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Computes on a device and on the reference, and prints the table of errors; returns the report."""
     if arguments.backend == "reference":
         raise UsageError("The reference is what compare compares with; choose another backend.")
-    settings_of(arguments)
-    check_preset(arguments.preset)
+    options.check(arguments)
     source = source_of(arguments)
     print_notes(source.open())
     target = source.one(arguments.object)
-    settings = opened_settings(arguments)
+    settings = options.opened_settings(arguments)
+    arguments.material_maps = False  # also if the scene has them
     read = source.read(target, settings)
-    notes = [*read.sentences, *notes_of_preset(arguments.preset_content, has_colors=False)]
+    notes = [*read.sentences, *options.notes_of_preset(arguments)]
     with Progress(arguments.progress) as progress:
         rows, device, reference = compare.compare(read.measured, settings, progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')

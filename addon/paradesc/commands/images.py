@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,44 +64,35 @@ def written(
     """Writes the images of one object and tile that belong to a path."""
     shown = maps.cut_of(part, tile)
     number = udim.FIRST if tile is None and tile_names.TOKEN in path.name else tile
-    about = {"object": part.object_name, **({} if number is None else {"tile": number})}
-
-    def place(name: Path) -> Path:
-        return tile_names.of_tile(name, tile)
-
-    if path.suffix.lower() == ".exr":
-        write_whole(place(path), part, lambda at, content: exr.write_exr(at, maps.channels_of(content, shown)))
-        return [{"path": str(place(path)), **about}]
     rows: Rows = []
-    if not spans_values(arguments):
-        for name, names in textures_of(path, part, arguments.pack):
-            rows.append({"path": str(place(name)), **about, **write_texture(place(name), part, names, shown)})
-        return rows
-    for name, own in maps.png_paths(path, list(part.results.values)).items():
-        described: dict[str, object] = {"path": str(place(own)), **about}
 
-        def write(at: Path, content: Baked, row: dict[str, object] = described, which: str = name) -> None:
-            row.update(maps.write_png(at, content, which, shown, ends.get(which)))
+    def write(name: Path, writer: Callable[..., dict[str, object] | None], *more: object) -> None:
+        place = tile_names.of_tile(name, tile)
+        row = {"path": str(place), "object": part.object_name, **({} if number is None else {"tile": number})}
+        write_whole(place, part, lambda at, content: row.update(writer(at, content, *more) or {}))
+        rows.append(row)
 
-        write_whole(place(own), part, write)
-        rows.append(described)
+    places = maps.png_paths(path, list(part.results.values))
+    if path.suffix.lower() == ".exr":
+        write(path, lambda at, content: exr.write_exr(at, maps.channels_of(content, shown)))
+    elif spans_values(arguments):
+        for name, place in places.items():
+            write(place, maps.write_png, name, shown, ends.get(name))
+    elif not arguments.pack:
+        for name, place in places.items():
+            write(place, write_texture, [name], shown)
+    else:
+        for suffix in part.results.field_reports:  # of each radius
+            place = tile_names.with_word(path, f"{image_files.PACKED_WORD}{suffix}")
+            write(place, write_texture, [name + suffix for name in arguments.pack], shown)
     return rows
 
 
-def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple[Path, list[str]]]:
-    """The path of each texture and the values that it holds: one descriptor, or the packed ones at one radius."""
-    if not packed:
-        return [(place, [name]) for name, place in maps.png_paths(path, list(baked.results.values)).items()]
-    suffixes = baked.results.field_reports
-    places = [tile_names.with_word(path, f"{image_files.PACKED_WORD}{suffix}") for suffix in suffixes]
-    return [(place, [name + suffix for name in packed]) for place, suffix in zip(places, suffixes, strict=True)]
-
-
 def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | None) -> dict[str, object]:
-    """Writes descriptors as channels over the range of their colors; returns the file's row of the report."""
+    """Writes descriptors as channels over the range of their colors; returns the facts about them."""
     sources = [(baked, name) for name in names]
     made = image_files.encoded(sources, baked.results.settings.options.texels, shown=shown)
-    write_whole(path, made.content, Path.write_bytes)
+    path.write_bytes(made.content)
     described = [
         {"descriptor": name, "minimum": scale.low, "maximum": scale.high}
         for name, scale in zip(names, made.scales, strict=True)

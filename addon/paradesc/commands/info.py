@@ -4,8 +4,8 @@ import argparse
 
 from .. import bridge
 from ..core import advice, uv_faults
-from .common import Parser, add_objects_options, print_notes
-from .options import add_input
+from .common import Parser, print_notes
+from .options import add_objects
 from .sources import Subject, source_of
 
 # Counts of the mesh report that limit a bake, with words for people.
@@ -28,8 +28,7 @@ HELP = "describe the meshes of a file, and the radius and buffer that suit them"
 
 def add_options(parser: Parser) -> None:
     """The command's options."""
-    add_input(parser)
-    add_objects_options(parser)
+    add_objects(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:

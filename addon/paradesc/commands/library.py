@@ -15,10 +15,9 @@ from ..core import job
 from ..files import mesh_files, results
 from ..files.paths import is_file, is_folder
 from ..files.results import folder_fault, make_folder, write_whole
-from . import assets, spreading
+from . import assets, options, spreading
 from .assets import Done, Work
-from .common import Parser, Progress, UsageError, print_notes
-from .options import add_computation_options, check_preset, notes_of_preset, opened_settings, settings_of
+from .common import Parser, Progress, UsageError, print_notes, refuse
 
 LISTING = "library.jsonl"
 PART = re.compile(r"(\d{1,7})/(\d{1,7})")
@@ -43,7 +42,7 @@ def add_options(parser: Parser) -> None:
     add("--allow-failures", action="store_true",
         help="do not end with code 5 for assets that no machine can compute; their rows say why")  # fmt: skip
     add("--force", action="store_true", help="compute assets again that have results")
-    add_computation_options(parser)
+    options.add_computation_options(parser)
 
 
 def part(text: str) -> tuple[int, int]:
@@ -81,7 +80,7 @@ class Tally:
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Computes the missing assets; returns the report on all assets that were asked for."""
     check(arguments)
-    settings = opened_settings(arguments)
+    settings = options.opened_settings(arguments)
     backend = job.backend_for(settings)  # one for all machines, so that all results have the same bits
     settings = replace(settings, backend=backend)
     names = asked(arguments)
@@ -108,10 +107,8 @@ def check(arguments: argparse.Namespace) -> None:
         raise UsageError(
             "The files of a library have no scene and no shape keys; leave --scene-settings and --shape-key out."
         )
-    settings_of(arguments)
-    check_preset(arguments.preset)
-    if folder_fault(arguments.output):
-        raise UsageError(folder_fault(arguments.output))
+    options.check(arguments)
+    refuse(folder_fault(arguments.output))
     for name in ("workers", "threads"):
         if (given := getattr(arguments, name)) is not None and given < 1:
             raise UsageError(f"--{name} is {given}; it must be at least 1.")
@@ -185,7 +182,7 @@ def report(
     kept = count - tally.made
     print(f"{count:,} assets: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")
     print(f"{seconds:.2f} s; over all assets, reading, computing and writing took {tally.compute_seconds:.2f} s")
-    notes = [*notes_of_preset(arguments.preset_content, has_colors=False)]
+    notes = options.notes_of_preset(arguments)
     notes += [f"{tally.warned:,} assets have warnings; their rows name them."] if tally.warned else []
     print_notes(notes)
     if listing is not None:

@@ -4,14 +4,13 @@ import argparse
 import contextlib
 import io
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 from .. import __version__
 from ..bridge import ParadescError
 from ..core import contexts
 from ..files import results
 from . import COMMANDS, common, modules
+from .common import UsageError
 from .signals import Signals, Terminated
 
 # The schema of the JSON reports. It grows if a key changes its meaning or goes, but not if a key is new.
@@ -19,7 +18,7 @@ SCHEMA = 1
 
 
 def make_parser() -> common.Parser:
-    """All commands and their options."""
+    """All commands and their options. A command that lacks options of others has the defaults of bake and animate."""
     parser = common.Parser(
         prog="paradesc", description="Curvature and other geometric descriptors of meshes, at a radius you choose."
     )
@@ -30,6 +29,8 @@ def make_parser() -> common.Parser:
         module.add_options(command)
         common.add_output_options(command)
         command.set_defaults(run=module.run)
+    for name in ("animate", "bake"):
+        parser.set_defaults(**vars(found.choices[name].parse_args([])))
     return parser
 
 
@@ -40,33 +41,33 @@ def main(words: list[str]) -> int:
         arguments, unknown = make_parser().parse_known_args(common.with_also(words))
         if unknown:
             kind = "is no option" if unknown[0].startswith("-") else "is no place for"
-            raise common.UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
-    except common.UsageError as error:
-        return say(str(error), common.exit_code(error))
+            raise UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
+        check_report(arguments)
+    except UsageError as error:
+        return say(str(error), common.EXIT_USAGE)
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
-    if prints_json(arguments) and getattr(arguments, "progress", None) == "openjd":
-        return say("--json - and --progress openjd both write to the standard output; name a file.", common.EXIT_USAGE)
-    if reports_over_input(arguments):
-        return say(f'"{arguments.json}" is the input; choose another file for the report.', common.EXIT_USAGE)
+    is_muted = arguments.quiet or prints_json(arguments)
     try:
         with Signals(raises=True):
-            with muted(arguments):
+            with contextlib.redirect_stdout(io.StringIO()) if is_muted else contextlib.nullcontext():
                 common.check_outputs([arguments.json])
                 content = arguments.run(arguments) or {}
             sentence = " ".join(content.get("failed_checks", []))
             code = common.EXIT_CHECK if sentence else common.EXIT_OK
             write_report(arguments, content, code, sentence)
-    except (common.UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
-        return fail(arguments, sentence_of(error), common.exit_code(error))
+        return say(sentence, code, arguments) if sentence else code
+    except (UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
+        sentence, code = sentence_of(error), common.exit_code(error)
     except Exception as error:  # a defect of ours; --verbose shows where
-        if getattr(arguments, "verbose", False):
+        if arguments.verbose:
             raise
-        sentence = f"Unexpected {type(error).__name__}: {error} (--verbose says where)."
-        return fail(arguments, sentence, common.EXIT_FAILED)
+        sentence, code = f"Unexpected {type(error).__name__}: {error} (--verbose says where).", common.EXIT_FAILED
     finally:
         contexts.close_idle()
-    return say(sentence, code, arguments) if sentence else code
+    with contextlib.suppress(ParadescError):  # an error while the report is written is not reported as well
+        write_report(arguments, {}, code, " ".join(sentence.split()))
+    return say(sentence, code, arguments)
 
 
 def take_any_alphabet() -> None:
@@ -86,42 +87,33 @@ def sentence_of(error: BaseException) -> str:
     return error.sentence if isinstance(error, ParadescError) else str(error)
 
 
-@contextlib.contextmanager
-def muted(arguments: argparse.Namespace) -> Iterator[None]:
-    """Mutes prints with --quiet, or if the standard output belongs to the JSON report."""
-    if not getattr(arguments, "quiet", False) and not prints_json(arguments):
-        yield
-        return
-    with contextlib.redirect_stdout(io.StringIO()):
-        yield
-
-
 def prints_json(arguments: argparse.Namespace) -> bool:
     """Whether the report goes to the standard output."""
-    return str(getattr(arguments, "json", None)) == "-"
+    return str(arguments.json) == "-"
 
 
-def reports_over_input(arguments: argparse.Namespace) -> bool:
-    """Whether writing the report, even one about a failure, would overwrite the input or the open .blend."""
-    path: Path | None = getattr(arguments, "json", None)
-    if path is None or prints_json(arguments):
-        return False
-    inputs = (getattr(arguments, "input", None), common.open_file())
-    return any(given is not None and path.resolve() == given.resolve() for given in inputs)
+def check_report(arguments: argparse.Namespace) -> None:
+    """Refuses a report that would not be alone on the standard output, or overwrite the input or the open .blend."""
+    path = arguments.json
+    if prints_json(arguments):
+        if arguments.progress == "openjd":
+            raise UsageError("--json - and --progress openjd both write to the standard output; name a file.")
+    elif path is not None:
+        inputs = filter(None, (arguments.input, common.open_file()))
+        if path.resolve() in [given.resolve() for given in inputs]:
+            raise UsageError(f'"{path}" is the input; choose another file for the report.')
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:
     """Writes the report of a command, if it was asked for."""
-    path: Path | None = getattr(arguments, "json", None)
+    path, given = arguments.json, arguments.input
     if path is None:
         return
-    status = {common.EXIT_OK: "ok", common.EXIT_CHECK: "check failed"}.get(code, "failed")
-    given = getattr(arguments, "input", None)
     report = {
         "schema": SCHEMA,
         "version": __version__,
         "command": arguments.command,
-        "status": status,
+        "status": {common.EXIT_OK: "ok", common.EXIT_CHECK: "check failed"}.get(code, "failed"),
         "exit_code": code,
         "error": sentence or None,
         "input": str(given) if given else None,
@@ -135,16 +127,9 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
         print(f"wrote {path}")
 
 
-def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
-    """Reports the failure in all places. An error while the report is written is not reported as well."""
-    with contextlib.suppress(ParadescError):
-        write_report(arguments, {}, code, " ".join(sentence.split()))
-    return say(sentence, code, arguments)
-
-
 def say(sentence: str, code: int, arguments: argparse.Namespace | None = None) -> int:
     """Prints the failure on one line, and tells it a session of Open Job Description, with --progress openjd."""
-    if getattr(arguments, "progress", None) == "openjd":
+    if arguments is not None and arguments.progress == "openjd":
         common.tell_openjd("fail", sentence)
     print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
     return code

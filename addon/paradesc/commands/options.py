@@ -11,33 +11,14 @@ from ..files import preset_file, preset_rules
 from ..files.paths import is_file
 from ..files.preset_file import Content
 from ..files.preset_rules import PRESETS
-from .common import PROGRESS, UsageError, has_blender
+from .common import PROGRESS, Parser, UsageError, has_blender
 from .sources import READERS, scene_source
 
-# The members that have no effect, because the suffix of an image's file decides.
-WITHOUT_OPTION = ("image_format",)
+# The options, beside radii and those of the table, that are members of job.Settings.
+SETTINGS = ("descriptors", "backend", "device_index", "corner_threshold", "space", "domain", "memory_limit")
 
 
-def add_mesh_options(parser: argparse.ArgumentParser) -> None:
-    """Adds the options for one object of a file, and for how to compute."""
-    add_input(parser)
-    parser.add_argument(
-        "--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)"
-    )
-    add_computation_options(parser)
-
-
-def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> None:
-    """Adds --source, the mesh of an object that is measured; opened_settings() supplies it if it is not given."""
-    parser.add_argument(
-        "--source", choices=(*source_kinds.NAMES, *more),
-        help="mesh to measure: the object's own, as deforming modifiers and shape keys move it, or after all "
-        f"modifiers{'; auto: as viewports show it' if more else ''} (default: {default})",
-    )  # fmt: skip
-    parser.set_defaults(usual_source=default)
-
-
-def add_input(parser: argparse.ArgumentParser) -> None:
+def add_input(parser: Parser) -> None:
     """Adds the input file."""
     known = (
         ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .vtp, .vtk, .gii, a surface of FreeSurfer (lh.white), .fbx or "
@@ -51,6 +32,21 @@ def add_input(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def add_objects(parser: Parser, source: str = "", *more_sources: str) -> None:
+    """Adds the input, the choice of its objects, and --source, which opened_settings() supplies if it is not given."""
+    add_input(parser)
+    add = parser.add_argument
+    add("--object", action="append", default=[], metavar="NAME",
+        help="a mesh object; give it again for more (default: a .blend's active one, else the largest)")  # fmt: skip
+    add("--all", action="store_true", help="every mesh object that renders")
+    if source:
+        as_shown = "; auto: as viewports show it" if more_sources else ""
+        add("--source", choices=(*source_kinds.NAMES, *more_sources),
+            help="mesh to measure: the object's own, as deforming modifiers and shape keys move it, or after all "
+            f"modifiers{as_shown} (default: {source})")  # fmt: skip
+        parser.set_defaults(usual_source=source)
+
+
 def add_computation_options(parser: argparse.ArgumentParser) -> None:
     """Adds the options of the computation. One that is not given is None, and settings_of() supplies it."""
     add = parser.add_argument
@@ -61,18 +57,18 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
             "take options that are not given from a preset: a JSON file, or a name (cavity, edge_wear, ... or your "
             "own)"
         ))  # fmt: skip
-    # Job descriptions pass options that nobody filled in.
-    add("--descriptors", type=lambda text: text or None, metavar="A,B,C", help=(
+    add("--descriptors", type=names, metavar="A,B,C", help=(
         "descriptors to compute; see paradesc list (default: mean_curvature)"
     ))
-    add("--radius", type=radii, metavar="R[,R...]",
+    add("--radius", type=radii, dest="radii", metavar="R[,R...]",
         help="radius of the neighborhood (default: 0.02), or auto; of several, names end in _r and radius")  # fmt: skip
     for row in bridge.TABLE:
         kind = {"choices": [name for name, *_ in row.choices]} if row.choices else {"type": type(row.default)}
         flag = row.flag or row.name.replace("_", "-")
         add(f"--{flag}", dest=row.name, help=row.help, **kind, **row.words)
     add("--backend", choices=bridge.BACKENDS, help="device that computes (default: auto)")
-    add("--device", type=int, metavar="N", help="number of the device of the backend (default: the first)")
+    add("--device", type=int, dest="device_index", metavar="N",
+        help="number of the device of the backend (default: the first)")  # fmt: skip
     add("--memory-limit", type=gigabytes, metavar="GB",
         help="refuse computations that need more memory than this (default: half of the free memory)")  # fmt: skip
     add("--space", choices=("object", "world"),
@@ -80,6 +76,11 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--shape-key", choices=("basis", "active"), help="shape to measure (default: basis)")
     add("--progress", choices=PROGRESS, default="auto",
         help="progress on the standard error: if it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
+
+
+def names(text: str) -> tuple[str, ...] | None:
+    """Parses names between commas; an empty text, as job descriptions pass it, is not given."""
+    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else None
 
 
 def radii(text: str) -> tuple[float, ...] | None:
@@ -106,7 +107,7 @@ def gigabytes(text: str) -> int:
     return math.ceil(size)
 
 
-def add_map_options(parser: argparse.ArgumentParser) -> None:
+def add_map_options(parser: Parser) -> None:
     """Adds images that change the measured surface. compare has none, as the reference has no texels for them."""
     add = parser.add_argument
     add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
@@ -121,35 +122,27 @@ def add_map_options(parser: argparse.ArgumentParser) -> None:
 def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None) -> job.Settings:
     """The settings of the computation; base supplies options not given. Unknown descriptors raise an error."""
     base = base or job.Settings()
-    names = base.descriptors
-    if arguments.descriptors is not None:
-        names = tuple(name.strip() for name in arguments.descriptors.split(",") if name.strip())
-    job.check_descriptors(names)
-    values = {row.name: getattr(arguments, row.name) for row in bridge.TABLE}
-    given = {name: value for name, value in values.items() if value is not None}
-    fit = "typed" if arguments.radius else base.radius_fit
-    radius, *more = arguments.radius or (base.options.radius, *base.more_radii)
-    if radius == balance.AUTO:
-        fit, radius = balance.AUTO, base.options.radius
-    return replace(
-        base,
-        descriptors=names,
-        options=replace(base.options, radius=radius, **given),
-        radius_fit=fit,
-        backend=given_or(arguments, "backend", base.backend),
-        device_index=given_or(arguments, "device", base.device_index),
-        more_radii=tuple(more),
-        corner_threshold=given_or(arguments, "corner_threshold", base.corner_threshold),
-        space=given_or(arguments, "space", base.space),
-        domain=given_or(arguments, "domain", base.domain),
-        memory_limit=given_or(arguments, "memory_limit", base.memory_limit),
-    )
+    given = {name: value for name, value in vars(arguments).items() if value is not None}
+    settings = {name: given[name] for name in SETTINGS if name in given}
+    options = {row.name: given[row.name] for row in bridge.TABLE if row.name in given}
+    if arguments.radii == (balance.AUTO,):
+        settings.update(radius_fit=balance.AUTO, more_radii=())
+    elif arguments.radii:
+        options["radius"], *more = arguments.radii
+        settings.update(radius_fit="typed", more_radii=tuple(more))
+    found = replace(base, **settings, options=replace(base.options, **options))
+    job.check_descriptors(found.descriptors)
+    return found
 
 
-def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> object:
-    """An option if it was given, else the other value; not every command has every option."""
-    value = getattr(arguments, name, None)
-    return otherwise if value is None else value
+def check(arguments: argparse.Namespace) -> job.Settings:
+    """Refuses invalid settings, preset files and choices of objects before any input is read."""
+    settings = settings_of(arguments)
+    if arguments.preset is not None and is_preset_file(arguments.preset):
+        preset_rules.sound(Path(arguments.preset))
+    if arguments.all and arguments.object:
+        raise UsageError("Give --object or --all, not both.")
+    return settings
 
 
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
@@ -158,14 +151,13 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     The rest of a preset is in preset_content of the arguments. --scene-settings also supplies the source, the shape
     key, the cage distance, and whether material maps and the change against rest are measured, unless an option does.
     """
-    usual = getattr(arguments, "usual_source", "original")
-    arguments.source, shape_key = getattr(arguments, "source", None), arguments.shape_key
+    usual, shape_key = arguments.usual_source, arguments.shape_key
     base = scene_source(arguments).settings(usual) if arguments.scene_settings else None
     arguments.source = arguments.source or usual
     if shape_key == "active" and arguments.source not in (source_kinds.ORIGINAL, source_kinds.AUTOMATIC):
         sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
         raise UsageError(f"{sentence}, or measure the source original.")
-    arguments.preset_content = found_preset(arguments.preset)
+    arguments.preset_content = found_preset(arguments)
     return settings_of(arguments, preset_rules.settings_of(arguments.preset_content, base))
 
 
@@ -178,40 +170,31 @@ def is_preset_file(name: str) -> bool:
     return path.suffix.lower() == preset_file.SUFFIX or (path.name != name and is_file(path))
 
 
-def check_preset(name: str | None) -> None:
-    """Refuses an invalid preset file before anything else is read."""
-    if name is not None and is_preset_file(name):
-        preset_rules.sound(Path(name))
-
-
-def found_preset(name: str | None) -> Content | None:
+def found_preset(arguments: argparse.Namespace) -> Content | None:
     """The preset that --preset names: a built-in one, a file, or with Blender one of its preset folders."""
+    name, others = arguments.preset, set()
     if name is None:
         return None
     if name in PRESETS:
-        return PRESETS[name].content()
+        return PRESETS[name]
     if is_preset_file(name):
         return preset_rules.sound(Path(name))
-    if not has_blender():
-        raise UsageError(
-            f'There is no preset "{name}"; choose one of {", ".join(PRESETS)}, or give a file (NAME.json).'
-        )
-    scene = scene_source(argparse.Namespace())
-    row = scene.preset(name)
-    if row is None:
-        others = {row.name for row in scene.presets() if not row.fault}
-        known = ", ".join([*PRESETS, *sorted(others)])
-        raise UsageError(f'There is no preset "{name}"; choose one of {known}, or give a file (NAME.json).')
-    return preset_rules.sound(row.path)
+    if has_blender():
+        rows = scene_source(arguments).presets()
+        alike = [row for row in rows if name.casefold() in (row.name.casefold(), row.path.stem.casefold())]
+        if alike:
+            return preset_rules.sound(min(alike, key=lambda row: bool(row.fault)).path)
+        others = {row.name for row in rows if not row.fault}
+    known = ", ".join([*PRESETS, *sorted(others)])
+    raise UsageError(f'There is no preset "{name}"; choose one of {known}, or give a file (NAME.json).')
 
 
-def notes_of_preset(content: Content | None, has_colors: bool) -> list[str]:
-    """One sentence about members of a preset that have no effect in this command."""
+def notes_of_preset(arguments: argparse.Namespace, has_colors: bool = False) -> list[str]:
+    """One sentence about members of the preset that have no effect in this command."""
+    content = arguments.preset_content
     if content is None:
         return []
-    unused = [name for name in content.image or {} if name in WITHOUT_OPTION]
+    unused = [name for name in content.image or {} if name == "image_format"]  # the suffix of an image's file decides
     unused += [] if has_colors else list(content.colors or {})
-    if not unused:
-        return []
     verb = "have" if len(unused) > 1 else "has"
-    return [f'The preset "{content.name}" names {", ".join(unused)}, which {verb} no effect here.']
+    return [f'The preset "{content.name}" names {", ".join(unused)}, which {verb} no effect here.'] if unused else []

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 from .. import bridge
@@ -9,7 +10,7 @@ from ..bridge import ParadescError, abi, uses_texture_space
 from ..core import job
 from ..files import maps, neuro_files, results, tile_names, vtk_files
 from ..files.results import Baked, folder_fault, write_whole
-from .common import Progress, UsageError, check_outputs, check_overwriting
+from .common import Parser, Progress, UsageError, check_outputs, check_overwriting, refuse
 from .images import file_name, paths_of, write_images
 from .sources import Source
 
@@ -25,7 +26,7 @@ OF_FACES = (".npz", ".ply", ".vtp", ".vtk")
 PNG_RANGES = ("values", "colors")
 
 
-def add_output_files(parser: argparse.ArgumentParser) -> None:
+def add_output_files(parser: Parser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
     output = (
@@ -72,8 +73,17 @@ def check_files(arguments: argparse.Namespace) -> None:
     named = arguments.backend if arguments.backend != "auto" else None
     if folder is not None and named and not uses_texture_space(named):
         raise UsageError(f"The backend {arguments.backend} bakes no buffers to dump; choose another.")
-    if folder is not None and folder_fault(folder):
-        raise UsageError(folder_fault(folder))
+    refuse(folder_fault(folder) if folder is not None else "")
+
+
+def check_tile_names(arguments: argparse.Namespace) -> None:
+    """Refuses the token for UDIM tiles in paths of outputs that have no tiles."""
+    images, token = paths_of(arguments), tile_names.TOKEN
+    for path in images:
+        refuse(tile_names.fault(path))
+    for path in (*files_of(arguments), arguments.dump_buffers):
+        if path and path not in images and token in str(path):
+            raise UsageError(f'"{path}" has no UDIM tiles that {token} could stand for; leave it out there.')
 
 
 def check_domain(arguments: argparse.Namespace) -> None:
@@ -103,58 +113,37 @@ def check_values(arguments: argparse.Namespace, settings: job.Settings) -> None:
             raise UsageError(f"{sentence}.")
 
 
-def check_tile_names(arguments: argparse.Namespace) -> None:
-    """Refuses the token for UDIM tiles in paths of outputs that have no tiles."""
-    images, token = paths_of(arguments), tile_names.TOKEN
-    for path in images:
-        if tile_names.fault(path):
-            raise UsageError(tile_names.fault(path))
-    others = [path for path in (*files_of(arguments), arguments.dump_buffers) if path and path not in images]
-    for path in others:
-        if token in str(path):
-            raise UsageError(f'"{path}" has no UDIM tiles that {token} could stand for; leave it out there.')
-
-
 def files_of(arguments: argparse.Namespace) -> list[Path]:
     """All files that will be written, without folders."""
     return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
 
 
-def write_files(
-    arguments: argparse.Namespace, baked: list[Baked], source: Source
-) -> dict[str, object]:
+def write_files(arguments: argparse.Namespace, baked: list[Baked], source: Source) -> dict[str, object]:
     """Writes all files, a .blend by its source; returns their part of the report."""
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
-    written: list[Path] = []
-    for path in arguments.output:
+    written = [path for path in arguments.output if path.suffix.lower() != ".exr"]
+    for path in written:
         suffix = path.suffix.lower()
-        if suffix == ".exr":
-            continue
         if suffix == ".blend":
             source.save(path)
         elif suffix == ".npz":
             write_whole(path, baked, results.write_npz)
         else:
             write_whole(path, whole, WRITERS[suffix])
-        written.append(path)
-    if any(one.results.tiles for one in baked):  # which draws them only now
-        with Progress(arguments.progress) as progress:
-            described = write_images(baked, arguments, progress)
-    else:
-        described = write_images(baked, arguments)
+    are_drawn_now = any(one.results.tiles for one in baked)
+    with Progress(arguments.progress) if are_drawn_now else nullcontext() as progress:
+        described = write_images(baked, arguments, progress)
     written += [Path(str(row["path"])) for row in described]
     for one in baked if arguments.dump_buffers else []:
         folder = arguments.dump_buffers
         if len(baked) > 1:  # each has a folder in it
             folder.mkdir(exist_ok=True)
-            folder = folder / file_name(one, baked)
+            folder /= file_name(one, baked)
         written += maps.write_buffers(folder, one)
     if arguments.corners:
-        listed = [
-            {**({"object": one.object_name} if len(baked) > 1 else {}), **row}
-            for one in baked
-            for row in results.listed_corners(one)
-        ]
+        several = len(baked) > 1
+        rows = [(one.object_name, row) for one in baked for row in results.listed_corners(one)]
+        listed = [{"object": name, **row} if several else row for name, row in rows]
         write_whole(arguments.corners, listed, results.write_json)
         written.append(arguments.corners)
     return {"outputs": [str(path) for path in written], "maps": described}

@@ -105,12 +105,10 @@ def run_onto(
     """Measures the detailed objects for one low-poly object; also returns notes about how they were read."""
     if read.arrays.map_fault:
         raise InputError(f'The mesh "{source.mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
-    parts, notes = [], []
-    for high in highs:
-        found = source.read_high(high, settings)
-        # The detailed object itself gets no results, so notes about where they would go are left out.
-        notes += [note for note in found.sentences if note not in found.source_notes]
-        parts.append(part_of(high, found))
+    found = [source.read_high(high, settings) for high in highs]
+    # The detailed objects themselves get no results, so notes about where they would go are left out.
+    notes = [note for one in found for note in one.sentences if note not in one.source_notes]
+    onto, *parts = map(part_of, (low, *highs), (read, *found))
     size, cage = settings.options.texels, arguments.cage or 0.0
-    results = transfer.run(part_of(low, read), parts, settings, size, cage, progress, tiles)
+    results = transfer.run(onto, parts, settings, size, cage, progress, tiles)
     return results, [*notes, *results.notes]

@@ -71,14 +71,11 @@ class Source:
         return [self.one(name) for name in dict.fromkeys(self.arguments.object)]
 
     def request(self) -> ReadRequest:
-        """The request for reading a mesh that the options make; not every command has all of them."""
+        """The request for reading a mesh that the options make."""
         given = self.arguments
-        maps = MapChoice()
-        if hasattr(given, "displacement"):
-            scale = given.displacement_scale
-            maps = MapChoice(given.displacement, given.midlevel, scale, given.normal_map, given.material_maps)
-        buffers = getattr(given, "dump_buffers", None) is not None
-        images = hasattr(given, "map") and bool(paths_of(given))
+        scale = given.displacement_scale
+        maps = MapChoice(given.displacement, given.midlevel, scale, given.normal_map, given.material_maps)
+        buffers, images = given.dump_buffers is not None, bool(paths_of(given))
         shape, source = given.shape_key or "basis", given.source
         return ReadRequest(shape, maps, source, buffers, images, saves_scene(given), "give --space world")
 

@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -133,35 +134,26 @@ def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: obje
 # ---- Writing
 
 
-def summarize(values: np.ndarray) -> tuple[np.ndarray, int]:
-    """(QUANTILES,) float32 of (n,) values at evenly spaced ranks, and how many are defined; (0,) if none is."""
-    finite = np.sort(values[np.isfinite(values)])
-    if finite.size == 0:
-        return np.empty(0, np.float32), 0
-    ranks = np.round(np.linspace(0, finite.size - 1, QUANTILES)).astype(np.int64)
-    return finite[ranks].astype(np.float32), int(finite.size)
-
-
 def encode(content: Frame) -> bytes:
     """The bytes of a file: the same for the same content."""
-    arrays: list[tuple[str, np.ndarray]] = list(content.values.items())
-    counts = {}
+    arrays, counts = dict(content.values), {}
     for name, values in content.values.items():
         if values.ndim == 1:
-            quantiles, counts[name] = summarize(values)
-            arrays.append((name + ENDING, quantiles))
+            finite = np.sort(values[np.isfinite(values)])
+            ranks = np.round(np.linspace(0, finite.size - 1, QUANTILES if finite.size else 0)).astype(np.int64)
+            arrays[name + ENDING], counts[name] = finite[ranks], int(finite.size)
     header = {
         "version": VERSION,
         "key": content.key,
         "frame": content.frame,
         "input": content.input,
         "vertex_count": content.vertex_count,
-        "arrays": [[name, 1 if array.ndim == 1 else array.shape[1], len(array)] for name, array in arrays],
+        "arrays": [[name, 1 if array.ndim == 1 else array.shape[1], len(array)] for name, array in arrays.items()],
         "counts": counts,
         "info": content.info,
     }
     text = json.dumps(header, sort_keys=True, allow_nan=False).encode()
-    body = [np.ascontiguousarray(array, "<f4").tobytes() for _, array in arrays]
+    body = [np.ascontiguousarray(array, "<f4").tobytes() for array in arrays.values()]
     whole = b"".join([MAGIC, struct.pack("<Q", len(text)), text, *body])
     return whole + hashlib.sha256(whole).digest()
 
@@ -169,17 +161,9 @@ def encode(content: Frame) -> bytes:
 def write_frame(folder: Path, content: Frame) -> Path:
     """Writes one file: a reader, or a run that was killed, finds the old one, none, or the whole new one."""
     path = frame_path(folder, content.frame)
-    write_whole(path, encode(content))
+    results.make_folder(folder)
+    results.write_whole(path, encode(content), Path.write_bytes)
     return path
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes to a temporary file and then moves it into place. The checksum detects files that a power cut damaged."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise refused(f'"{path}" cannot be written: {error.strerror or error}.') from error
-    results.write_whole(path, content, Path.write_bytes)
 
 
 def sweep(folder: Path) -> None:
@@ -196,19 +180,17 @@ def sweep(folder: Path) -> None:
 def read_frame(path: Path) -> Frame:
     """Reads and checks the content of a file; raises one sentence if anything is wrong."""
     try:
-        content = path.read_bytes()
+        return decode(path.read_bytes(), path)
     except FileNotFoundError as error:
         raise refused(f'There is no frame file "{path}".') from error
     except (OSError, MemoryError) as error:
         raise refused(f'The frame file "{path}" cannot be read: {error}.') from error
-    try:
-        return decode(content, path)
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         raise refused(f'The frame file "{path}" is damaged ({reason(error)}); bake this frame again.') from error
 
 
 def decode(content: bytes, path: Path) -> Frame:
-    """Turns bytes of encode() into a frame; raises ValueError, TypeError or KeyError for any others."""
+    """Turns bytes of encode() into a frame; raises ValueError, TypeError, KeyError or AttributeError for any others."""
     start, end = len(MAGIC) + 8, len(content) - DIGEST_BYTES
     need(start <= end and content.startswith(MAGIC), "it does not begin as one")
     need(hashlib.sha256(content[:end]).digest() == content[end:], "its checksum is wrong")
@@ -227,30 +209,22 @@ def decode(content: bytes, path: Path) -> Frame:
     return Frame(header["frame"], header["key"], header["input"], arrays, header["info"], quantiles, header["counts"])
 
 
-def check_header(header: object, path: Path) -> None:
+def check_header(header: dict[str, Any], path: Path) -> None:
     """Raises if a header is not one of ours, or of another frame than the file's name says."""
-    need(isinstance(header, dict) and isinstance(header.get("info"), dict), "its header is none")
-    version, frame, count, counts = (header[name] for name in ("version", "frame", "vertex_count", "counts"))
+    version, frame, count = (header[name] for name in ("version", "frame", "vertex_count"))
     need(type(version) is int and version == VERSION, f"it has version {version}, and this Paradesc reads {VERSION}")
-    keys = header["key"], header["input"]
-    need(all(isinstance(key, str) and len(key) <= 128 for key in keys), "its key is none")
     named = FILE_NAME.fullmatch(path.name)
-    need(is_whole(frame, -LAST_FRAME, LAST_FRAME), "its frame is wrong")
     need(not named or int(named[1]) == frame, f"it holds frame {frame}")
-    need(is_whole(count, 0, LARGEST_COUNT), "its vertex count is wrong")
-    seen = set()
+    is_sound = is_whole(frame, -LAST_FRAME, LAST_FRAME) and is_whole(count, 0, LARGEST_COUNT)
+    is_sound &= all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input"))
+    is_sound &= isinstance(header["info"], dict) and all(is_whole(one, 0, count) for one in header["counts"].values())
+    names = [name for name, _, _ in header["arrays"]]
+    is_sound &= len(set(names)) == len(names)
     for name, columns, rows in header["arrays"]:
         stem = name.removesuffix(ENDING)
-        need(NAME.fullmatch(stem) and name not in seen, "an array's name is none")
-        seen.add(name)
-        if stem != name:
-            need(is_whole(columns, 1, 1) and is_whole(rows, 0, QUANTILES), "its quantiles is wrong")
-        else:
-            need(is_whole(columns, 1, 4), "its width of an array is wrong")
-            need(is_whole(rows, count, count), "its length of an array is wrong")
-    need(isinstance(counts, dict), "its counts are none")
-    for name, number in counts.items():
-        need(is_whole(number, 0, count), f"its count of {name[:40]} is wrong")
+        widest, fewest, most = (4, count, count) if stem == name else (1, 0, QUANTILES)
+        is_sound &= NAME.fullmatch(stem) is not None and is_whole(columns, 1, widest) and is_whole(rows, fewest, most)
+    need(is_sound, "its header is wrong")
 
 
 def need(fits: object, fault: str) -> None:
@@ -289,13 +263,9 @@ def settled_method(folder: Path, animation: str, own: str) -> str:
             json.dump({"method": own}, file)
         return own
     except FileExistsError:
-        return read_method(path)
+        pass
     except OSError as error:
         raise refused(f'The file "{path}" cannot be written: {error.strerror or error}.') from error
-
-
-def read_method(path: Path) -> str:
-    """The method that another machine wrote to the file; waits a little if it is still being written."""
     for _ in range(METHOD_TRIES):
         with suppress(OSError, ValueError, TypeError, KeyError):
             method = json.loads(path.read_text(encoding="utf-8"))["method"]
@@ -310,19 +280,31 @@ def read_method(path: Path) -> str:
 
 def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict[str, color_maps.ValueRange]:
     """The range of values to show for each name over all of these frames, of one object or of several."""
-    pooled: dict[str, list[tuple[np.ndarray, int]]] = {}
+    parts: dict[str, list[tuple[np.ndarray, int]]] = {}
     radii: dict[str, float] = {}
     for frame in frames:
         for name, quantiles in frame.quantiles.items():
-            pooled.setdefault(name, []).append((quantiles, frame.counts.get(name, 0)))
+            parts.setdefault(name, []).append((quantiles, frame.counts.get(name, 0)))
             given = frame.info.get("radius")
             radius = given.get(name) if isinstance(given, dict) else None
             radii[name] = float(radius) if stored.is_number(radius) and 1e-30 < radius < 1e30 else 0.0
     found = {}
-    for name, parts in pooled.items():
+    for name in parts:
         with suppress(StopIteration):  # coverage, or values that only a newer version knows
-            found[name] = color_maps.value_range(pool(parts), job.registry_row(name), radii[name], look)
+            found[name] = color_maps.value_range(pool(parts[name]), job.registry_row(name), radii[name], look)
     return found
+
+
+def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
+    """(m,) values distributed as those of all frames, in which frames with more values have more weight."""
+    most = max(count for _, count in parts)
+    chosen = [np.empty(0, np.float32)]
+    for quantiles, count in parts:
+        if len(quantiles) and count:
+            points = max(1, round(QUANTILES * count / most))
+            middle = (np.arange(points) + 0.5) / points * (len(quantiles) - 1)
+            chosen.append(quantiles[np.round(middle).astype(np.int64)])
+    return np.sort(np.concatenate(chosen))
 
 
 def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
@@ -339,48 +321,26 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
 
 def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
     """Fixes ranges for this folder, which replace those that follow from its frames."""
-    write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
+    results.write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode(), Path.write_bytes)
 
 
-def locked_ranges(
-    folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
-) -> dict[str, color_maps.ValueRange]:
-    """One range for each name over all sound frames in these folders; key: only of frames with this key."""
-    return ranges_over([(folder, key) for folder in folders], look)
-
-
-def ranges_over(
-    places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
-) -> dict[str, color_maps.ValueRange]:
+def locked_ranges(keys: dict[Path, str], look: color_maps.Look | None = None) -> dict[str, color_maps.ValueRange]:
     """One range for each name over all sound frames in folders, each with its own key; "" takes any key."""
-    places = list(places)
     frames = []
-    for folder, key in places:
+    for folder, key in keys.items():
         for path in frames_in(folder).values():
             with suppress(ParadescError):  # a frame that is damaged is baked again by the next run
                 frame = read_frame(path)
                 if key in ("", frame.key):
                     frames.append(replace(frame, values={}))
     found = ranges(frames, look)
-    for folder, _ in places:
+    for folder in keys:
         fixed = read_fixed(folder)
         for name, shown in found.items():
             if name in fixed or "" in fixed:
-                low, high = fixed.get(name, fixed.get("", (0.0, 0.0)))
+                low, high = fixed.get(name) or fixed[""]
                 found[name] = replace(shown, minimum=low, maximum=high)
     return found
-
-
-def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
-    """(m,) values distributed as those of all frames, in which frames with more values have more weight."""
-    most = max((count for _, count in parts), default=0)
-    chosen = [np.empty(0, np.float32)]
-    for quantiles, count in parts:
-        if len(quantiles) and count:
-            points = max(1, round(QUANTILES * count / most))
-            middle = (np.arange(points) + 0.5) / points * (len(quantiles) - 1)
-            chosen.append(quantiles[np.round(middle).astype(np.int64)])
-    return np.sort(np.concatenate(chosen))
 
 
 def reason(error: Exception) -> str:

@@ -108,13 +108,13 @@ class FrameBatch(Pieces):
     def hold_ranges(self) -> None:
         """Stores color ranges that span all baked frames of all objects, for live and played objects of the scene."""
         scene = bpy.data.scenes.get(self.scene_name)
-        places = [(piece.folder, piece.cache_key) for piece in self.written if piece.cache_key]
+        places = {piece.folder: piece.cache_key for piece in self.written if piece.cache_key}
         if scene is None or not places:
             return
         look = looks.scene_look(scene)
         if not look.ranges:
             with sessions.our_turn(wait=True):
-                painting.hold_ranges(scene.paradesc_live, look, cache.ranges_over(places, look))
+                painting.hold_ranges(scene.paradesc_live, look, cache.locked_ranges(places, look))
         sessions.forget_ranges()
 
     @property

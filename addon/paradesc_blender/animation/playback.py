@@ -65,7 +65,7 @@ class Player:
         look = looks.scene_look(scene)
         wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}, levels=color_maps.Levels()))
         if wanted != self.ranged:
-            self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
+            self.ranged, self.whole = wanted, cache.locked_ranges({folder: self.frame.key}, wanted[1])
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
         changed = self.painter.paint(target, self.values(), ranges, fresh)
         if changed:

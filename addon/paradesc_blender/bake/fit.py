@@ -20,7 +20,7 @@ class MaskOption:
     mask: bpy.props.EnumProperty(
         name="Mask",
         description="Mask to bake, or the descriptors of the panel",
-        items=[PANEL, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
+        items=[PANEL, *presets.items_of(presets.MASKS)],
         default=PANEL[0],
         options={"SKIP_SAVE"},
     )

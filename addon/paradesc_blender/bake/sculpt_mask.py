@@ -27,7 +27,7 @@ class MaskBatch(Pieces):
 
     def __init__(self, context: bpy.types.Context, mask: str) -> None:
         """Takes the panel's settings, with the descriptor of the mask."""
-        chosen = tuple(presets.PRESETS[mask].members["descriptors"])
+        chosen = tuple(presets.PRESETS[mask].settings["descriptors"])
         settings = properties.job_settings(context.scene.paradesc)
         self.settings = replace(settings, descriptors=chosen, more_radii=())
         super().__init__([Piece(key_of(context.active_object))])
@@ -67,7 +67,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
     mask: bpy.props.EnumProperty(
         name="Mask",
         description="Parts to mask",
-        items=[(name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in MASKS],
+        items=presets.items_of(MASKS),
         default=MASKS[0],
     )
     invert: bpy.props.BoolProperty(
@@ -96,7 +96,7 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
         viewports.yield_to_mask(context)
         results = batch.written[0].results
         done = {
-            "mask": translation.label(presets.PRESETS[self.mask].label),
+            "mask": translation.label(presets.PRESETS[self.mask].name),
             "seconds": f"{results.field_report['seconds_total']:.2f}",
             "device": results.device,
         }

@@ -1,7 +1,6 @@
 """Finds preset files: in Blender's preset folders, and in the folder that the add-on's preferences name."""
 
 import os
-import time
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,8 +14,6 @@ from paradesc.files import preset_file, preset_rules
 from . import preferences
 
 SUBFOLDER = "paradesc"
-# Blender redraws an open menu at every move of the mouse; folders are read again only after so many seconds.
-PATIENCE = 1.0
 # A folder with more files than this is not meant for presets only, and takes long to read.
 MOST_FILES = 200
 
@@ -52,15 +49,9 @@ def same_place(first: Path, second: Path) -> bool:
 
 
 def rows_in(folder: Path | None) -> list[Row]:
-    """The presets in a folder, sorted by name. A file is read again only if it has changed."""
-    return [] if folder is None else listed(folder, int(time.monotonic() / PATIENCE))
-
-
-@lru_cache(maxsize=16)
-def listed(folder: Path, _when: int) -> list[Row]:
-    """The presets in a folder, sorted by name; none if it cannot be read."""
+    """The presets in a folder by name, none if it cannot be read. A file is read again only if it has changed."""
     found = []
-    with suppress(OSError), os.scandir(folder) as entries:
+    with suppress(OSError), os.scandir(folder or "") as entries:
         for entry in entries:
             name = entry.name
             # Blender's properties cannot hold paths that are not valid text. Hidden files are not meant for people.
@@ -81,19 +72,6 @@ def row_of(path: Path, _time: int, _size: int) -> Row:
     return Row(path, content.name, content.purpose)
 
 
-def forget() -> None:
-    """Makes every folder be read again when it is needed next."""
-    listed.cache_clear()
-    row_of.cache_clear()
-
-
 def every_row() -> list[Row]:
     """The presets of all folders, the user's own first."""
     return [row for folder in (own_folder(), *shared_folders()) for row in rows_in(folder)]
-
-
-def row_named(name: str) -> Row | None:
-    """The preset whose name or file name this is; usable ones come first."""
-    wanted = name.casefold()
-    found = [row for row in every_row() if wanted in (row.name.casefold(), row.path.stem.casefold())]
-    return min(found, key=lambda row: bool(row.fault), default=None)

@@ -3,16 +3,17 @@
 They are applied to a scene, and made from a scene's settings.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import bpy
 
 from paradesc import bridge
-from paradesc.bridge import ParadescError
+from paradesc.bridge import InputError, ParadescError
 from paradesc.core.members import Member
 from paradesc.files import preset_file, preset_rules
 from paradesc.files.preset_file import Content
-from paradesc.files.preset_rules import PRESETS, Preset
+from paradesc.files.preset_rules import PRESETS
 
 from . import preset_folders, translation
 
@@ -21,11 +22,20 @@ chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
+def items_of(names: Iterable[str]) -> list[tuple[str, str, str]]:
+    """Menu items (name, label, tooltip) of built-in presets."""
+    return [(name, PRESETS[name].name, PRESETS[name].purpose) for name in names]
+
+
+def descriptors_of(masks: Iterable[str]) -> set[str]:
+    """The descriptors of these masks."""
+    return {descriptor for mask in masks for descriptor in PRESETS[mask].settings["descriptors"]}
+
+
 def masks_of(descriptors: set[str]) -> list[str]:
     """The masks with exactly these descriptors; empty if there are others among them."""
-    found = [name for name in MASKS if PRESETS[name].members["descriptors"] <= descriptors]
-    every = set().union(*(PRESETS[name].members["descriptors"] for name in found))
-    return found if every == descriptors else []
+    found = [mask for mask in MASKS if descriptors_of([mask]) <= descriptors]
+    return found if descriptors_of(found) == descriptors else []
 
 
 def choose_mask(group: bpy.types.PropertyGroup, name: str, extend: bool = False) -> None:
@@ -35,8 +45,8 @@ def choose_mask(group: bpy.types.PropertyGroup, name: str, extend: bool = False)
         others = masks_of(group.descriptors)
         left = [mask for mask in others if mask != name]
         masks = (left or masks) if name in others else [*others, name]
-    group.descriptors = set().union(*(PRESETS[mask].members["descriptors"] for mask in masks))
-    show_chosen(PRESETS[name].label)
+    group.descriptors = descriptors_of(masks)
+    show_chosen(PRESETS[name].name)
 
 
 def apply(scene: bpy.types.Scene, content: Content, path: Path | None = None) -> None:
@@ -50,7 +60,7 @@ def apply(scene: bpy.types.Scene, content: Content, path: Path | None = None) ->
             scene.paradesc.property_unset(name)
         set_members(scene.paradesc, {"radius_fit": "typed", **content.settings}, known["settings"])
     if content.colors is not None:
-        whole = preset_file.completed(content.colors, known["colors"])
+        whole = preset_rules.completed(content.colors, known["colors"])
         set_members(scene.paradesc_looks, whole, known["colors"])
     if content.image is not None:
         set_members(scene.paradesc, content.image, known["image"])
@@ -59,7 +69,7 @@ def apply(scene: bpy.types.Scene, content: Content, path: Path | None = None) ->
 
 def set_members(group: bpy.types.PropertyGroup, values: dict[str, object], known: dict[str, Member]) -> None:
     """Sets the values that differ. radius_fit comes last, because setting a radius marks it as typed."""
-    kept = preset_file.as_kept(values, known)
+    kept = preset_rules.as_kept(values, known)
     for name in sorted(kept, key="radius_fit".__eq__):
         if getattr(group, name) != kept[name]:
             setattr(group, name, kept[name])
@@ -79,6 +89,12 @@ class NeedsLibrary:
         """Works only if the native library is available."""
         return not bridge.missing_sentence()
 
+    def done(self, sentence: str) -> set[str]:
+        """Ends the operator, with one sentence about a failure or with ""."""
+        if sentence:
+            self.report({"ERROR"}, translation.said(sentence))
+        return {"CANCELLED"} if sentence else {"FINISHED"}
+
 
 class Chooses(NeedsLibrary):
     """Base of operators on a built-in preset of a given name, which choose() applies in part or as a whole."""
@@ -92,7 +108,7 @@ class Chooses(NeedsLibrary):
         """Applies the preset, and says what it is for."""
         preset = PRESETS[self.name]
         self.choose(context.scene, preset)
-        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
+        self.report({"INFO"}, f"{translation.label(preset.name)}: {translation.said(preset.purpose)}")
         return {"FINISHED"}
 
 
@@ -103,15 +119,11 @@ class PARADESC_OT_preset(Chooses, bpy.types.Operator):
     bl_label = "Apply Preset"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    name: bpy.props.EnumProperty(
-        name="Preset",
-        description="Purpose of the settings",
-        items=[(name, preset.label, preset.purpose) for name, preset in PRESETS.items()],
-    )
+    name: bpy.props.EnumProperty(name="Preset", description="Purpose of the settings", items=items_of(PRESETS))
 
-    def choose(self, scene: bpy.types.Scene, preset: Preset) -> None:
+    def choose(self, scene: bpy.types.Scene, preset: Content) -> None:
         """Applies all of it; device and output stay."""
-        apply(scene, preset.content())
+        apply(scene, preset)
 
 
 class PARADESC_OT_mask(Chooses, bpy.types.Operator):
@@ -121,11 +133,7 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
     bl_label = "Choose Mask"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    name: bpy.props.EnumProperty(
-        name="Mask",
-        description="Purpose of the values",
-        items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
-    )
+    name: bpy.props.EnumProperty(name="Mask", description="Purpose of the values", items=items_of(MASKS))
     extend: bpy.props.BoolProperty(
         name="Extend", description="Keep the other masks", default=False, options={"SKIP_SAVE"}
     )
@@ -135,7 +143,7 @@ class PARADESC_OT_mask(Chooses, bpy.types.Operator):
         """The purpose of the mask, and how to bake several, as a tooltip."""
         return f"{super().description(context, asked)}.\n{translation.tooltip('Shift-click bakes several masks')}"
 
-    def choose(self, scene: bpy.types.Scene, _preset: Preset) -> None:
+    def choose(self, scene: bpy.types.Scene, _preset: Content) -> None:
         """Chooses this mask alone, or switches it in addition to others."""
         choose_mask(scene.paradesc, self.name, self.extend)
 
@@ -168,8 +176,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         try:
             content = preset_rules.sound(path)
         except ParadescError as error:
-            self.report({"ERROR"}, translation.said(error.sentence))
-            return {"CANCELLED"}
+            return self.done(error.sentence)
         apply(context.scene, content, path)
         self.report({"INFO"}, f"{content.name}: {content.purpose}".rstrip(": "))
         return {"FINISHED"}
@@ -184,7 +191,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         """Draws the built-in presets, the user's own, those of shared folders, and the entries to add or remove one."""
         for name, preset in PRESETS.items():
-            self.layout.operator("paradesc.preset", text=translation.label(preset.label), translate=False).name = name
+            self.layout.operator("paradesc.preset", text=translation.label(preset.name), translate=False).name = name
         for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
             rows = preset_folders.rows_in(folder)
             if rows:
@@ -244,53 +251,48 @@ class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
         """Saves or removes a preset."""
         try:
             if self.remove_name or self.remove_active:
-                sentence = remove(self.name if self.remove_name else "")
+                remove(self.name if self.remove_name else "")
             else:
-                sentence = add(context.scene, self.name.strip(), self.purpose.strip())
+                add(context.scene, self.name.strip(), self.purpose.strip())
         except ParadescError as error:
-            sentence = error.sentence
+            return self.done(error.sentence)
         except OSError as error:
-            sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
-        if sentence:
-            self.report({"ERROR"}, translation.said(sentence))
-        return {"CANCELLED"} if sentence else {"FINISHED"}
+            return self.done(f"The folder of presets cannot be changed: {error.strerror or error}.")
+        return self.done("")
 
 
-def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
-    """Saves a scene's settings as a preset of the user; returns one sentence if that is impossible, else ""."""
+def add(scene: bpy.types.Scene, name: str, purpose: str) -> None:
+    """Saves a scene's settings as a preset of the user."""
     if not name:
-        return "Give the preset a name."
+        raise InputError("Give the preset a name.")
     folder = preset_folders.own_folder(create=True)
     if folder is None:
-        return "Blender has no user folder for presets."
+        raise InputError("Blender has no user folder for presets.")
     path = preset_file.place_of(folder, name)
     groups = {"settings": scene.paradesc, "colors": scene.paradesc_looks, "image": scene.paradesc}
     sections = {
-        section: {member: preset_file.plain(getattr(groups[section], member)) for member in known}
+        section: {member: preset_rules.plain(getattr(groups[section], member)) for member in known}
         for section, known in preset_rules.rules().items()
     }
     content = Content(name, purpose, **sections)
     preset_rules.check(path, content)
     preset_file.write(path, content)
-    preset_folders.forget()
     show_chosen(name, path)
-    return ""
 
 
-def remove(name: str) -> str:
-    """Removes a preset of the user by name, or the one chosen last; returns one sentence on failure, else ""."""
-    rows = preset_folders.rows_in(preset_folders.own_folder()) if name else []
-    paths = [row.path for row in rows if row.name == name] if name else chosen
+def remove(name: str) -> None:
+    """Removes a preset of the user by name, or the one chosen last."""
+    own = preset_folders.own_folder()
+    paths = [row.path for row in preset_folders.rows_in(own) if row.name == name] if name else chosen
     if not paths:
-        return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
-    path, own = paths[0], preset_folders.own_folder()
+        what = f'There is no preset "{name}" of your own.'
+        raise InputError(what if name else "Choose a preset of your own first.")
+    path = paths[0]
     if own is None or not preset_folders.same_place(path.parent, own):
-        return f'"{path.name}" is not one of your presets, so it is not removed.'
+        raise InputError(f'"{path.name}" is not one of your presets, so it is not removed.')
     path.unlink(missing_ok=True)
-    preset_folders.forget()
     if path in chosen:
         show_chosen("Presets")
-    return ""
 
 
 classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
@@ -299,4 +301,3 @@ classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADE
 def unregister() -> None:
     """Forgets which preset was chosen last."""
     show_chosen("Presets")
-    preset_folders.forget()

@@ -21,7 +21,7 @@ class PARADESC_MT_bake(bpy.types.Menu):
         large = large_faces.of_chosen(context)
         words = label("Bake {what} to Image" if large else "Bake {what}")
         for name in presets.MASKS:
-            text = words.format(what=label(presets.PRESETS[name].label))
+            text = words.format(what=label(presets.PRESETS[name].name))
             operator = "paradesc.bake_image" if large else "paradesc.bake"
             self.layout.operator(operator, text=text, translate=False).mask = name
 
@@ -52,7 +52,7 @@ def draw_sculpt_masks(menu: bpy.types.Menu, _context: bpy.types.Context) -> None
         menu.layout.separator()
         words = label("Mask from {what} at Radius")
         for name in sculpt_mask.MASKS:
-            text = words.format(what=label(presets.PRESETS[name].label))
+            text = words.format(what=label(presets.PRESETS[name].name))
             menu.layout.operator("paradesc.mask_from_shape", text=text, translate=False).mask = name
 
 

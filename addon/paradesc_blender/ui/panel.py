@@ -65,7 +65,7 @@ def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings:
     chosen = presets.masks_of(settings.descriptors)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in presets.MASKS:
-        text, icon = label(presets.PRESETS[name].label), MASK_ICONS[name]
+        text, icon = label(presets.PRESETS[name].name), MASK_ICONS[name]
         grid.operator("paradesc.mask", text=text, translate=False, icon=icon, depress=name in chosen).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
@@ -90,7 +90,7 @@ def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> No
     sentence_lines(context, column, "Protect by Sculpt Mask")
     grid = column.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name in sculpt_mask.MASKS:
-        grid.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].label), translate=False).mask = name
+        grid.operator("paradesc.mask_from_shape", text=label(presets.PRESETS[name].name), translate=False).mask = name
     sentence = sculpt_masks.multires_obstacle(context.active_object)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
@@ -178,7 +178,7 @@ def button_text(count: int, masks: list[str] = ()) -> str:
         return label("Bake {count} Meshes").format(count=count)
     if len(masks) > 1:
         return label("Bake Masks")
-    return label("Bake {what}").format(what=label(presets.PRESETS[masks[0]].label if masks else "Descriptors"))
+    return label("Bake {what}").format(what=label(presets.PRESETS[masks[0]].name if masks else "Descriptors"))
 
 
 def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:

@@ -107,7 +107,7 @@ def baked_words(names: list[str]) -> str:
     """The labels of these descriptors' masks, the label of a single descriptor, or how many there are."""
     masks = presets.masks_of(set(names))
     if masks:
-        return ", ".join(label(presets.PRESETS[mask].label) for mask in masks)
+        return ", ".join(label(presets.PRESETS[mask].name) for mask in masks)
     known = {row.name: row.label for row in bridge.descriptors()}
     if len(names) == 1:
         return label(known.get(names[0], names[0]))
