@@ -26,6 +26,9 @@ static void *allocated(std::size_t size, std::size_t alignment) {
 
 void *operator new(std::size_t size) { return paradesc::test::allocated(size, 0); }
 void *operator new[](std::size_t size) { return paradesc::test::allocated(size, 0); }
+// AddressSanitizer has its own of these, whose memory free() may not return.
+void *operator new(std::size_t size, const std::nothrow_t &) noexcept { return std::malloc(size ? size : 1); }
+void *operator new[](std::size_t size, const std::nothrow_t &) noexcept { return std::malloc(size ? size : 1); }
 void *operator new(std::size_t size, std::align_val_t alignment) {
   return paradesc::test::allocated(size, static_cast<std::size_t>(alignment));
 }
