@@ -318,7 +318,7 @@ def test_many_contexts_come_and_go():
 
 
 def test_what_takes_more_memory_than_allowed_is_refused_with_both_numbers(sphere):
-    smooth = Options(creases="none")
+    smooth = options.Options(creases="none")
     with bridge.Context("reference") as context, context.mesh(sphere) as mesh:
         needed = mesh.memory(["mean_curvature"], smooth)
     assert 0 < needed["mesh"] < needed["total"] <= needed["allowed"]
