@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..bridge import InputError
-from ..core.polygons import Polygons, listed_polygons
+from ..core.polygons import Polygons, listed_polygons, triangles_of
 from .inputs import numbers, whole
 
 # Triangles, polygons and quads among VTK's types of cells.
@@ -43,7 +43,7 @@ def vertices_and_faces(mesh: object) -> tuple[object, object]:
     if kind == "trimesh":
         return mesh.vertices, mesh.faces
     if kind == "polydata":
-        return mesh.points, vtk_polygons(mesh.faces)
+        return mesh.points, polydata_faces(mesh)
     if kind == "grid":
         kinds = numbers(mesh.celltypes, "celltypes", "VTK's numbers are needed")
         if not np.isin(kinds, FLAT_CELLS).all():
@@ -59,6 +59,22 @@ def tensor(mapping: object, name: str) -> object:
         raise InputError(f"The Open3D mesh has no {name}.")
     found = mapping[name]
     return found.cpu().numpy() if hasattr(found, "cpu") else found
+
+
+def polydata_faces(mesh: object) -> Polygons:
+    """The polygons of a PolyData, and then the triangles of its strips."""
+    listed = mesh.strips
+    if not len(listed):
+        return vtk_polygons(mesh.faces)
+    strips = vtk_polygons(listed)
+    triangles = triangles_of(strips.corner_vertices, strips.sizes)
+    if not len(mesh.faces):
+        return triangles
+    polygons = vtk_polygons(mesh.faces)
+    return Polygons(
+        np.concatenate([polygons.corner_vertices, triangles.corner_vertices]),
+        np.concatenate([polygons.sizes, triangles.sizes]),
+    )
 
 
 def vtk_polygons(cells: object) -> Polygons:
