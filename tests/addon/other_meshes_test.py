@@ -54,6 +54,19 @@ def test_triangle_strips_of_pyvista_are_faces(sphere, pyvista, stripped):
     assert np.allclose(paradesc.compute(mesh, radius=0.1)["mean_curvature"], expected["mean_curvature"], rtol=1e-4)
 
 
+def test_values_at_faces_are_those_of_the_polygons_among_the_cells_of_pyvista(sphere, pyvista):
+    points, quads, _ = sphere
+    mesh = pyvista.PolyData(points, np.insert(quads, 0, 4, axis=1), verts=[1, 0], lines=[2, 0, 1, 3, 1, 2, 3])
+    result = paradesc.compute(mesh, descriptors=NAMES, radius=0.1, domain="faces")
+    stored = result.to(mesh).cell_data
+    for name, values in result.items():
+        assert np.isnan(stored[name][:3]).all()
+        assert np.array_equal(stored[name][3:], values)
+    strips = mesh.triangulate().strip()
+    with pytest.raises(InputError, match="A triangle strip is one cell"):
+        paradesc.compute(strips, radius=0.1, domain="faces").to(strips)
+
+
 class Tensor:
     """As much of Open3D's as is needed."""
 

@@ -100,6 +100,8 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
     wanted = len(next(iter(values.values())))
     if count != wanted:
         raise InputError(f"The mesh has {count} {domain}, but the result belongs to one with {wanted}.")
+    if at_faces and kind == "polydata":
+        values = at_cells(mesh, values)
     for name, array in values.items():
         if kind == "trimesh":
             (mesh.face_attributes if at_faces else mesh.vertex_attributes)[name] = array
@@ -109,3 +111,12 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
             positions = mesh.vertex["positions"]  # a tensor (n, 1) or (n, 3) on the same device, so that files keep it
             given = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
             (mesh.triangle if at_faces else mesh.vertex)[name] = given.to(positions.device)
+
+
+def at_cells(mesh: object, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Values at the cells of a PolyData, in VTK's order: vertices and lines, which have NaN, then the polygons."""
+    if len(mesh.strips):
+        raise InputError("A triangle strip is one cell, and has no place for the values of its faces; triangulate it.")
+    others = mesh.n_verts + mesh.n_lines
+    return {name: np.concatenate([np.full_like(array, np.nan, shape=(others, *array.shape[1:])), array])
+            for name, array in values.items()}  # fmt: skip
