@@ -38,6 +38,7 @@ OBJ = {
     "mac": obj(end="\r"),
     "windows": obj(end="\r\n"),
     "named": obj("o Part#3\n"),
+    "paths": obj("# D:\\models\\\n", more="#D:\\\n"),
     "normals that are not there": obj(corner="{0}//{0}"),
     "texture vertices that are not there": obj(corner="{0}/{0}/{0}"),
     "one coordinate": obj(more="vt 0.5\n", corner="{0}/1"),
