@@ -163,6 +163,7 @@ STL = {
     "name of words": stl("facet vertex 1 2 3 facet"),
     "no end": stl(ending=False),
     "upper": stl().upper(),
+    "end of two words": stl().replace(b"endfacet", b"end facet"),
 }
 
 # ---- glTF
@@ -253,6 +254,15 @@ def sparse():
     return header, content
 
 
+def zeros():
+    """Texture coordinates that are an accessor without a buffer view, which stands for zeros."""
+    header, content = ball()
+    header["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = len(header["accessors"])
+    header["accessors"].append({**header["accessors"][0], "type": "VEC2"})
+    del header["accessors"][-1]["bufferView"]
+    return header, content
+
+
 def without(names):
     header, content = ball()
     return {key: value for key, value in header.items() if key not in names}, content
@@ -264,6 +274,7 @@ GLB = {
     "strips and fans": glb(*fans_and_strips()),
     "quantised": glb(*quantised()),
     "sparse": glb(*sparse()),
+    "zeros": glb(*zeros()),
     "no scenes": glb(*without(("scene", "scenes"))),
     "no nodes": glb(*without(("scene", "scenes", "nodes"))),
     "nodes are hidden": glb(*ball(extensionsRequired=["KHR_node_visibility", "VRMC_vrm"])),
