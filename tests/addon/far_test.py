@@ -65,19 +65,19 @@ def test_a_file_with_digits_enough_gives_the_same_values_anywhere(tmp_path, suff
     agree(far, here)
     np.testing.assert_allclose(far["vertices"], here["vertices"] + MAP, atol=2e-6)  # of digits in the text
     assert np.ptp(here["mean_curvature"]) > 0.02
-    assert not [note for note in report["objects"][0]["notes"] if "from the origin" in note]
+    assert not [note for note in report["objects"][0]["warnings"] if "from the origin" in note]
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".glb"])
 def test_what_32_bit_floats_lose_far_away_is_said(tmp_path, suffix):
     _, report = bake(tmp_path, write(tmp_path / f"far{suffix}", kind="float"))
-    (note,) = [note for note in report["objects"][0]["notes"] if "from the origin" in note]
+    (note,) = [note for note in report["objects"][0]["warnings"] if "from the origin" in note]
     assert (
         "5.4e+06 from the origin, where 32-bit floats are 0.5 apart: its vertices are rounded to 0.6 of the mean"
         in note
     )
     near = write(tmp_path / f"near{suffix}", np.array([30.0, 0, 0]), kind="float")
-    assert not [note for note in bake(tmp_path, near)[1]["objects"][0]["notes"] if "from the origin" in note]
+    assert not [note for note in bake(tmp_path, near)[1]["objects"][0]["warnings"] if "from the origin" in note]
 
 
 def test_results_are_written_at_the_files_own_places(tmp_path):

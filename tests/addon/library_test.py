@@ -78,6 +78,13 @@ def test_a_row_says_what_the_results_are(library, tmp_path):
     assert hashes_of(tmp_path / "out")
 
 
+def test_a_row_warns_of_a_radius_that_shows_facets(library, tmp_path):
+    compute(library, tmp_path / "out", "--radius-unit", "mean-edge", "--radius", "0.9")
+    for row in rows_of(tmp_path / "out").values():
+        assert "The radius is only 0.9 of the mean edge" in row["warnings"][-1]
+        assert row["notes"] == []
+
+
 def test_histogram_counts_every_value_once():
     values = np.concatenate([np.random.default_rng(1).normal(size=5000), [np.nan, np.inf]]).astype(np.float32)
     found = distribution(values)

@@ -38,6 +38,7 @@ OBJ = {
     "mac": obj(end="\r"),
     "windows": obj(end="\r\n"),
     "named": obj("o Part#3\n"),
+    "paths": obj("# D:\\models\\\n", more="#D:\\\n"),
     "normals that are not there": obj(corner="{0}//{0}"),
     "texture vertices that are not there": obj(corner="{0}/{0}/{0}"),
     "one coordinate": obj(more="vt 0.5\n", corner="{0}/1"),
@@ -162,6 +163,7 @@ STL = {
     "name of words": stl("facet vertex 1 2 3 facet"),
     "no end": stl(ending=False),
     "upper": stl().upper(),
+    "end of two words": stl().replace(b"endfacet", b"end facet"),
 }
 
 # ---- glTF
@@ -252,6 +254,15 @@ def sparse():
     return header, content
 
 
+def zeros():
+    """Texture coordinates that are an accessor without a buffer view, which stands for zeros."""
+    header, content = ball()
+    header["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = len(header["accessors"])
+    header["accessors"].append({**header["accessors"][0], "type": "VEC2"})
+    del header["accessors"][-1]["bufferView"]
+    return header, content
+
+
 def without(names):
     header, content = ball()
     return {key: value for key, value in header.items() if key not in names}, content
@@ -263,6 +274,7 @@ GLB = {
     "strips and fans": glb(*fans_and_strips()),
     "quantised": glb(*quantised()),
     "sparse": glb(*sparse()),
+    "zeros": glb(*zeros()),
     "no scenes": glb(*without(("scene", "scenes"))),
     "no nodes": glb(*without(("scene", "scenes", "nodes"))),
     "nodes are hidden": glb(*ball(extensionsRequired=["KHR_node_visibility", "VRMC_vrm"])),

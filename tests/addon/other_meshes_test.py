@@ -43,6 +43,30 @@ def test_pyvista_goes_in_and_gets_its_values(sphere, pyvista):
         paradesc.compute(pyvista.ImageData(dimensions=(3, 3, 3)).cast_to_unstructured_grid())
 
 
+@pytest.mark.parametrize("stripped", [slice(None), slice(100, None)], ids=["all", "a part"])
+def test_triangle_strips_of_pyvista_are_faces(sphere, pyvista, stripped):
+    points, quads, _ = sphere
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    mesh = pyvista.PolyData.from_regular_faces(points, triangles[stripped]).strip()
+    mesh.faces = np.insert(np.delete(triangles, stripped, axis=0), 0, 3, axis=1).ravel()
+    assert mesh.n_strips > 0
+    expected = paradesc.compute(points, triangles, radius=0.1)
+    assert np.allclose(paradesc.compute(mesh, radius=0.1)["mean_curvature"], expected["mean_curvature"], rtol=1e-4)
+
+
+def test_values_at_faces_are_those_of_the_polygons_among_the_cells_of_pyvista(sphere, pyvista):
+    points, quads, _ = sphere
+    mesh = pyvista.PolyData(points, np.insert(quads, 0, 4, axis=1), verts=[1, 0], lines=[2, 0, 1, 3, 1, 2, 3])
+    result = paradesc.compute(mesh, descriptors=NAMES, radius=0.1, domain="faces")
+    stored = result.to(mesh).cell_data
+    for name, values in result.items():
+        assert np.isnan(stored[name][:3]).all()
+        assert np.array_equal(stored[name][3:], values)
+    strips = mesh.triangulate().strip()
+    with pytest.raises(InputError, match="A triangle strip is one cell"):
+        paradesc.compute(strips, radius=0.1, domain="faces").to(strips)
+
+
 class Tensor:
     """As much of Open3D's as is needed."""
 

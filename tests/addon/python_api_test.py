@@ -32,6 +32,16 @@ def torus(along=160, around=64, small=0.4):
     return points, np.stack(corners, axis=2).reshape(-1, 4), (1 / small + gaussian * small).reshape(-1) / 2, gaussian
 
 
+def test_principal_directions_of_a_plane_are_some_orthogonal_tangents():
+    points = np.stack([*np.meshgrid(np.arange(9.0), np.arange(9.0)), np.zeros((9, 9))], axis=2).reshape(-1, 3)
+    faces = np.arange(72).reshape(8, 9)[:, :8].reshape(-1, 1) + [0, 1, 10, 9]
+    names = ("principal_direction_max", "principal_direction_min", "shape_index")
+    first, second, index = paradesc.compute(points, faces, names, radius=2.0, radius_unit="absolute").values()
+    np.testing.assert_allclose(np.linalg.norm(np.cross(first, second)[:, :2], axis=1), 0, atol=1e-6)
+    np.testing.assert_allclose(np.abs(np.cross(first, second)[:, 2]), 1, atol=1e-6)
+    assert np.isnan(index).all()
+
+
 @pytest.fixture(scope="module")
 def sphere():
     """Positions, quads, and their UVs (m, 4, 2)."""

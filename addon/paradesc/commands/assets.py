@@ -168,7 +168,7 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
     first = baked[0].results
     return {
         "objects": [described_object(one) for one in baked],
-        "warnings": list(dict.fromkeys(sentence for one in baked for sentence in one.results.warnings)),
+        "warnings": list(dict.fromkeys(sentence for one in baked for sentence in one.warnings)),
         "notes": list(dict.fromkeys(sentence for one in baked for sentence in one.notes)),
         "backend": first.backend,
         "device": first.device,
@@ -184,8 +184,8 @@ def bake(mesh: PolygonMesh, settings: job.Settings, progress: ProgressFunction |
     """Computes one mesh of a file as paradesc bake does without Blender."""
     read = read_mesh(mesh, settings, ReadRequest(remedy="give --space world"))
     found = job.run(read.measured, settings, progress)
-    notes = [*read.sentences, *found.facet_notes(), *found.unused_notes()]
-    return Baked(mesh.name, found, read.arrays, mesh.matrix_world, notes)
+    notes = [*read.sentences, *found.unused_notes()]
+    return Baked(mesh.name, found, read.arrays, mesh.matrix_world, notes, limits=found.facet_notes())
 
 
 def described_object(baked: Baked) -> dict[str, object]:

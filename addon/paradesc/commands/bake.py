@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     warnings = [
         f"{one.object_name}: {sentence}" if len(baked) > 1 else sentence
         for one in baked
-        for sentence in one.results.warnings
+        for sentence in one.warnings
     ]
     return {
         "settings": settings.as_dict(),
@@ -141,9 +141,9 @@ def bake_objects(
             else:
                 read, arrays, computed = known.reading, known.arrays, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
-            notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
-            matrix = world_matrix(target)
-            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, read))
+            notes = [*notes, *computed.unused_notes()]
+            matrix, limits = world_matrix(target), computed.facet_notes()
+            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, read, limits))
             of_mesh.setdefault(source.mesh_name(target), baked[-1])
     return baked
 
@@ -206,4 +206,4 @@ def print_summary(baked: results.Baked) -> None:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
     if found.corners is not None:
         print(f"  corners: {len(found.corners.vertices):,}")
-    common.print_notes([*baked.notes, *found.warnings])
+    common.print_notes([*baked.notes, *baked.warnings])

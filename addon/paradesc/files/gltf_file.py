@@ -72,12 +72,10 @@ class Document:
         kind, width, count = np.dtype(KINDS[row["componentType"]]), WIDTHS[row["type"]], int(row["count"])
         if "bufferView" in row:
             values = self.view(row["bufferView"], kind, count, width, row.get("byteOffset", 0))
-        elif "sparse" in row:
-            if count > 1 << 28:
-                raise ValueError(f"accessor {index} has {count:,} rows")
-            values = np.zeros((count, width), kind)
+        elif not 0 <= count <= 1 << 28:
+            raise ValueError(f"accessor {index} has {count:,} rows")
         else:
-            raise ValueError(f"accessor {index} has no buffer view")
+            values = np.zeros((count, width), kind)
         if "sparse" in row:
             values = self.replaced(values.copy(), row["sparse"])
         if not row.get("normalized", False) or kind.kind == "f":

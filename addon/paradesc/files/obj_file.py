@@ -4,6 +4,7 @@ Other libraries split vertices that have several texture coordinates, but result
 Values at vertices need no texture coordinates and no normals: damaged ones are left out, and a note says so.
 """
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,8 @@ from ..core.polygons import PolygonMesh
 from .text_rows import first_fault, is_numeric, no_numbers, plain, rows_of, shown
 
 SIGNS = b"0123456789+-"
+# A backslash continues a line, but no comment, which may end with the path of a folder.
+COMMENT_WITH_BACKSLASH = re.compile(rb"#[^\n]*\\(?=\n)")
 
 
 @dataclass
@@ -42,7 +45,7 @@ class LineError(Exception):
 
 def read(path: Path) -> list[PolygonMesh]:
     """The objects with faces, each with its name, "" where it has none; raises ValueError if the file is damaged."""
-    found = lines_of(plain(path.read_bytes()).replace(b"\\\n", b" ").replace(b"\t", b" "))
+    found = lines_of(text_of(path).replace(b"\\\n", b" ").replace(b"\t", b" "))
     if not found.faces:
         return []
     try:
@@ -50,12 +53,17 @@ def read(path: Path) -> list[PolygonMesh]:
         corners, sizes = corners_of(found.faces)
         check_vertices(corners[:, 0], sizes, len(points))
     except LineError as error:
-        number, line = line_at(plain(path.read_bytes()), error.word, error.place)
+        number, line = line_at(text_of(path), error.word, error.place)
         raise ValueError(f'line {number}, "{shown(line)}", {error.why}') from None
     notes: list[str] = []
     uvs = texture_vertices(found.uvs, corners[:, 1], notes)
     normals = normals_of(found.normals, corners[:, 2], notes)
     return [polygons(name, part, uvs, normals, notes) for name, part in parts(found, points, corners - 1, sizes)]
+
+
+def text_of(path: Path) -> bytes:
+    """The text of a file, in which every backslash at the end of a line continues it."""
+    return COMMENT_WITH_BACKSLASH.sub(b"", plain(path.read_bytes()))
 
 
 def lines_of(content: bytes) -> Lines:

@@ -31,13 +31,19 @@ class Baked:
     results: Results
     arrays: bridge.MeshArrays
     matrix_world: np.ndarray  # (4, 4) float64
-    notes: list[str] = field(default_factory=list)  # what was done to the input, beside the results' own warnings
+    notes: list[str] = field(default_factory=list)  # what was done to the input
     reading: object = None  # reading.Read: where the results belong in the scene
+    limits: list[str] = field(default_factory=list)  # what limits the values, beside the results' own warnings
 
     @property
     def at_faces(self) -> bool:
         """Returns whether the results are values of triangles instead of vertices."""
         return self.results.settings.domain == "faces"
+
+    @property
+    def warnings(self) -> list[str]:
+        """All sentences about what limits the values."""
+        return [*self.results.warnings, *self.limits]
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
@@ -170,7 +176,7 @@ def report(baked: Baked) -> dict[str, object]:
         "corners": listed_corners(baked),
         **met,
         "notes": baked.notes,
-        "warnings": results.warnings,
+        "warnings": baked.warnings,
     }
 
 

@@ -13,6 +13,7 @@ HEADER = 84  # bytes before the first triangle, the last four of which are their
 FIRST_BYTES = 1000  # in which a binary file has a zero
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"vertex\s+(\S+\s+\S+\s+\S+)")
+FACET_END = re.compile(rb"end\s*facet")
 ENDING = re.compile(rb"\bend\s*solid\b", re.IGNORECASE)
 
 
@@ -62,7 +63,7 @@ def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
     if b"\n" in text.strip():  # a line that begins or ends a solid may hold any words in its name
         first, *others = text.split(b"solid")
         text = b"\n".join([first, *(other.partition(b"\n")[2] for other in others)])
-    facets = text.count(b"facet") - text.count(b"endfacet")
+    facets = text.count(b"facet") - len(FACET_END.findall(text))
     found = VERTEX.findall(text)
     if len(found) != 3 * facets:
         raise ValueError(

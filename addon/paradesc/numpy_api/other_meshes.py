@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..bridge import InputError
-from ..core.polygons import Polygons, listed_polygons
+from ..core.polygons import Polygons, listed_polygons, triangles_of
 from .inputs import numbers, whole
 
 # Triangles, polygons and quads among VTK's types of cells.
@@ -43,7 +43,7 @@ def vertices_and_faces(mesh: object) -> tuple[object, object]:
     if kind == "trimesh":
         return mesh.vertices, mesh.faces
     if kind == "polydata":
-        return mesh.points, vtk_polygons(mesh.faces)
+        return mesh.points, polydata_faces(mesh)
     if kind == "grid":
         kinds = numbers(mesh.celltypes, "celltypes", "VTK's numbers are needed")
         if not np.isin(kinds, FLAT_CELLS).all():
@@ -59,6 +59,22 @@ def tensor(mapping: object, name: str) -> object:
         raise InputError(f"The Open3D mesh has no {name}.")
     found = mapping[name]
     return found.cpu().numpy() if hasattr(found, "cpu") else found
+
+
+def polydata_faces(mesh: object) -> Polygons:
+    """The polygons of a PolyData, and then the triangles of its strips."""
+    listed = mesh.strips
+    if not len(listed):
+        return vtk_polygons(mesh.faces)
+    strips = vtk_polygons(listed)
+    triangles = triangles_of(strips.corner_vertices, strips.sizes)
+    if not len(mesh.faces):
+        return triangles
+    polygons = vtk_polygons(mesh.faces)
+    return Polygons(
+        np.concatenate([polygons.corner_vertices, triangles.corner_vertices]),
+        np.concatenate([polygons.sizes, triangles.sizes]),
+    )
 
 
 def vtk_polygons(cells: object) -> Polygons:
@@ -84,6 +100,8 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
     wanted = len(next(iter(values.values())))
     if count != wanted:
         raise InputError(f"The mesh has {count} {domain}, but the result belongs to one with {wanted}.")
+    if at_faces and kind == "polydata":
+        values = at_cells(mesh, values)
     for name, array in values.items():
         if kind == "trimesh":
             (mesh.face_attributes if at_faces else mesh.vertex_attributes)[name] = array
@@ -93,3 +111,12 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
             positions = mesh.vertex["positions"]  # a tensor (n, 1) or (n, 3) on the same device, so that files keep it
             given = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
             (mesh.triangle if at_faces else mesh.vertex)[name] = given.to(positions.device)
+
+
+def at_cells(mesh: object, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Values at the cells of a PolyData, in VTK's order: vertices and lines, which have NaN, then the polygons."""
+    if len(mesh.strips):
+        raise InputError("A triangle strip is one cell, and has no place for the values of its faces; triangulate it.")
+    others = mesh.n_verts + mesh.n_lines
+    return {name: np.concatenate([np.full_like(array, np.nan, shape=(others, *array.shape[1:])), array])
+            for name, array in values.items()}  # fmt: skip

@@ -200,7 +200,8 @@ class Result(Mapping[str, NDArray[np.float32]]):
         mesh
             A mesh of trimesh, PyVista or Open3D that has these vertices or faces. Values at vertices go to
             vertex_attributes of trimesh, point_data of PyVista, and vertex of an Open3D tensor mesh, as (n, 1) and
-            (n, 3). Values at faces go to face_attributes, cell_data and triangle.
+            (n, 3). Values at faces go to face_attributes, cell_data and triangle; lines and vertex cells of PyVista
+            have NaN.
 
         Returns
         -------
@@ -210,7 +211,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
         Raises
         ------
         InputError
-            The mesh has another number of vertices or faces, or no place for values.
+            The mesh has another number of vertices or faces, or no place for values (faces in a triangle strip, too).
         """
         from . import work
 
