@@ -184,7 +184,7 @@ def shown_modifiers(target: bpy.types.Object, rendering: bool = False) -> list[b
 
 
 def is_edited(target: bpy.types.Object) -> bool:
-    """Whether the object is in a mode that shows its own mesh as it is edited, with the active shape key alone."""
+    """Returns whether the mode shows the object's own mesh as it is edited, with the active shape key alone."""
     return target.data.is_editmode or target.mode == "SCULPT"
 
 
