@@ -64,19 +64,23 @@ def test_what_is_measured_is_a_note_and_no_warning(monkey):
     assert report_panel.stored_report(monkey) == stored
 
 
-@pytest.mark.parametrize("state", ["plain", "hidden", "shown", "key", "muted", "active key"])
+@pytest.mark.parametrize("state", ["plain", "hidden", "shown", "key", "muted", "active key", "absolute key", "basis"])
 def test_as_shown_takes_modifiers_and_shape_keys_only_where_they_show(state):
     target = add_sphere()
     shape = "basis"
     if state in ("hidden", "shown"):
         target.modifiers.new("Cast", "CAST").show_viewport = state == "shown"
-    if "key" in state or state == "muted":
+    if "key" in state or state in ("muted", "basis"):
         target.shape_key_add(name="Basis")
         key = target.shape_key_add(name="Key", from_mix=False)
         key.value, key.mute = 1.0, state == "muted"
+        if state in ("absolute key", "basis"):
+            target.data.shape_keys.use_relative = False
+            key.value = float(state == "basis")  # which absolute keys ignore
+            target.data.shape_keys.eval_time = key.frame if state == "absolute key" else 0
         shape = "active" if state == "active key" else "basis"
     bpy.context.view_layer.update()
-    shows = state in ("shown", "key")
+    shows = state in ("shown", "key", "absolute key")
     assert targets.shown_source(target, shape) == ("evaluated" if shows else "original")
 
 

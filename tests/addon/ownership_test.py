@@ -4,6 +4,7 @@ Every writer is driven twice through one test: first beside things of the user's
 which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.
 """
 
+import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
@@ -12,9 +13,9 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 from live_values import switch  # noqa: E402
 from paradesc_blender.animation import sessions  # noqa: E402
-from paradesc_blender.scene import delivery  # noqa: E402
+from paradesc_blender.scene import arrays, delivery  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
-from scene import add_sphere, subdivide  # noqa: E402
+from scene import add_sphere, select, subdivide  # noqa: E402
 from writers import NAME, WRITERS, attribute, bake, everything, kinds  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -63,6 +64,55 @@ def test_buttons_are_grey_where_all_was_deleted(target):
 def test_ours_stays_ours_when_the_mesh_is_edited(target):
     bake(target)
     subdivide()
+    names = target.data.attributes.keys()
+    bake(target)
+    assert target.data.attributes.keys() == names
+
+
+def own_cavity(mesh, name="cavity"):
+    """Makes the user's attribute; gives its values."""
+    kind, width = ("FLOAT_COLOR", 4) if "color" in name else ("FLOAT", 1)
+    values = np.linspace(0.1, 0.5, width * len(mesh.vertices), dtype=np.float32)
+    arrays.set_values(mesh.attributes.new(name, kind, "POINT"), values)
+    return values
+
+
+@pytest.mark.parametrize("name", ["cavity", "cavity_color"])
+def test_what_is_made_in_place_of_deleted_results_stays_when_the_faces_have_changed(name, target):
+    bake(target)
+    for one in ("cavity", "cavity_color"):
+        gone(target.data, one)
+    subdivide()
+    values = own_cavity(target.data, name)
+    for _ in range(2):
+        bake(target)
+        assert np.array_equal(arrays.attribute_values(target.data.attributes[name]).ravel(), values)
+        assert "cavity_2" in recolor.baked_names(target.data)
+    assert "cavity_3" not in target.data.attributes
+
+
+@pytest.mark.parametrize("name", ["", "cavity", "cavity_color"])
+def test_what_a_joined_mesh_brings_stays(name, target):
+    bake(target)
+    other = add_sphere("other", steps=4)
+    values = own_cavity(other.data, name) if name else []
+    select(other, target)
+    bpy.ops.object.join()
+    bake(target)
+    assert ("cavity_2" in target.data.attributes) == bool(name)
+    subdivide()
+    bake(target)  # the faces have changed again, and all vertices were covered before
+    assert ("cavity_2" in target.data.attributes) == bool(name)
+    assert "cavity_3" not in target.data.attributes
+    assert not name or np.isin(values, arrays.attribute_values(target.data.attributes[name])).all()
+
+
+def test_ours_stays_ours_beside_new_parts_that_have_no_values(target):
+    bake(target)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.mesh.bevel(offset=0.3, segments=2)
+    bpy.ops.object.mode_set(mode="OBJECT")
     names = target.data.attributes.keys()
     bake(target)
     assert target.data.attributes.keys() == names

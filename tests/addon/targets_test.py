@@ -131,6 +131,23 @@ def test_selected_vertices_of_edit_mode_stay_selected():
     assert [vertex.index for vertex in ball.data.vertices if vertex.select] == [7]
 
 
+@pytest.mark.parametrize("value", [0.0, 1.0])
+@pytest.mark.parametrize("mode", ["EDIT", "SCULPT"])
+def test_the_shape_key_that_is_edited_is_measured(mode, value):
+    (ball,) = add_spheres("ball")
+    bpy.context.scene.paradesc_animation.source = "auto"
+    ball.shape_key_add(name="Basis")
+    key = ball.shape_key_add(name="Half")
+    key.value = value
+    key.data.foreach_set("co", (0.5 * mesh_io.read_positions(ball.data)).ravel())
+    ball.active_shape_key_index = 1
+    bpy.ops.object.mode_set(mode=mode)
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    np.testing.assert_allclose(mean_curvature(ball), 1.0, rtol=0.1)
+    assert record.read(ball.data)["notes"] == 'The shape key "Half" was measured, at its full value.'
+
+
 def test_sculpt_mode_gives_the_mesh_as_sculpted_so_far():
     (ball,) = add_spheres("ball")
     bpy.ops.object.mode_set(mode="SCULPT")

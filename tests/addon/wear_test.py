@@ -91,6 +91,32 @@ def test_a_muted_link_stays_muted(target):
     assert shader_of(material).inputs["Base Color"].links[0].is_muted
 
 
+@pytest.mark.parametrize("shared", [False, True])
+def test_animated_and_driven_inputs_go_through_the_group_and_come_back(target, shared):
+    material, scene = user_material(target=target), bpy.context.scene
+    tree, inputs = material.node_tree, shader_of(material).inputs
+    for frame, value in ((1, 0.125), (3, 0.875)):
+        inputs["Roughness"].default_value = value
+        inputs["Roughness"].keyframe_insert("default_value", frame=frame)
+    inputs["Metallic"].driver_add("default_value").driver.expression = "frame / 4"
+    other = material.copy() if shared else None
+    if shared:
+        other.node_tree.animation_data.action = tree.animation_data.action
+        add_sphere("other").data.materials.append(other)
+        select(target)
+    add_wear()
+    worn = wear_nodes(material)[0].inputs
+    for frame, value in ((1, 0.125), (3, 0.875)):
+        scene.frame_set(frame)
+        assert (worn["Roughness"].default_value, worn["Metallic"].default_value) == (value, frame / 4)
+        assert not shared or shader_of(other).inputs["Roughness"].default_value == value
+    assert bpy.ops.paradesc.remove_wear() == {"FINISHED"}
+    inputs = shader_of(material).inputs
+    for frame, value in ((1, 0.125), (3, 0.875)):
+        scene.frame_set(frame)
+        assert (inputs["Roughness"].default_value, inputs["Metallic"].default_value) == (value, frame / 4)
+
+
 def test_no_node_of_the_users_moves(target):
     material = user_material(target=target)
     before = {node.name: tuple(node.location) for node in material.node_tree.nodes}

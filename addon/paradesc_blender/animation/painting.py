@@ -105,6 +105,7 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
     """Records on the mesh what was written, so that the attributes are recognized as the add-on's own."""
     drawn = {at[name]: values.drawn(name, shown) for name, shown in ranges.items()}
     spans = {at[name]: shown for name, shown in ranges.items()}
+    record.disown(mesh, mesh_io.refused(at))
     record.write(mesh, values.facts, spans, drawn, values.names(at))
     if mesh.color_attributes.active_color is None:
         mesh.color_attributes.active_color = mesh.color_attributes.get(at[next(iter(values.shown))] + "_color")

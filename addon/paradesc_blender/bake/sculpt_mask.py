@@ -34,7 +34,7 @@ class MaskBatch(Pieces):
 
     def work_on(self, piece: Piece) -> Work:
         """Reads the mesh, with the shape key that is sculpted, and computes."""
-        read = targets.read(find(piece.key), self.settings, ReadRequest("active"))
+        read = targets.read(find(piece.key), self.settings, ReadRequest())
         settings = quick(self.settings, len(read.measured.triangle_corners))
         piece.results = yield from computed(partial(job.run, read.measured, settings))
         piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *read.warnings]

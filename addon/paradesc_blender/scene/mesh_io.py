@@ -1,6 +1,7 @@
 """Reads Blender's meshes into arrays and writes results to attributes, by foreach_get and foreach_set on numpy."""
 
 from collections.abc import Iterable
+from itertools import takewhile
 
 import bpy
 import numpy as np
@@ -9,6 +10,7 @@ from paradesc.bridge import InputError, MeshArrays, ParadescError, components
 from paradesc.core import color_maps, uv_faults
 from paradesc.core.advice import double_areas
 from paradesc.core.job import UNDEFINED_MASK, Results, registry_name
+from paradesc.files.file_names import numbered
 
 from . import ownership, record, unwrap
 from .arrays import read_array, read_corner_vertices, set_values
@@ -162,6 +164,12 @@ def attribute_names(shown: Iterable[str], extras: Iterable[str], at: dict[str, s
     return [name for one in shown for name in (at[one], f"{at[one]}_color")] + [at[name] for name in extras]
 
 
+def refused(at: dict[str, str]) -> list[str]:
+    """The names of attributes that values could not get; all of them are the user's from now on."""
+    before = [one for name, place in at.items() for one in takewhile(place.__ne__, numbered(name))]
+    return [one + end for one in before for end in ("", "_color")]
+
+
 def moved_notes(at: dict[str, str]) -> list[str]:
     """Notes about attributes that could not get their usual names."""
     return [
@@ -202,6 +210,7 @@ def write_at(mesh: bpy.types.Mesh, results: Results, at: dict[str, str], drawn: 
         write_colors(mesh, at[name], results.values[name], shown)
     show(mesh, at[most_telling(told)])
     placed = ({at[name]: row for name, row in rows.items()} for rows in drawn)
+    record.disown(mesh, refused(at))
     record.write(mesh, record.facts_of(results), *placed, names, layout)
     ownership.leave(mesh, names)
     mesh.update()

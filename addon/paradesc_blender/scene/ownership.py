@@ -2,8 +2,9 @@
 
 An attribute or vertex group is the add-on's if a bake, or a button that copies values, has made it. A custom property
 of the mesh keeps its fingerprint, which shows whether somebody has painted or edited it since: then it is the user's.
-After a change of the faces, values cannot be compared, and the attribute stays the add-on's. Live values, which change
-at every frame, have no fingerprint and stay the add-on's, too.
+After a change of the faces, values cannot be compared, and the attribute stays the add-on's, unless a joined mesh has
+brought values of its own or half of a pair is missing. Live values, which change at every frame, have no fingerprint
+and stay the add-on's, too.
 """
 
 import itertools
@@ -83,7 +84,28 @@ def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str)
 def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
     """Returns whether one of our attributes still has the type, domain and values that we gave it."""
     attribute = mesh.attributes[name]
-    return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
+    if arrays.kind_of(attribute) != kind:
+        return False
+    values = arrays.attribute_values(attribute)
+    return is_untouched(mesh, name, values, faces) if has_faces(mesh, name, faces) else is_filled(mesh, values)
+
+
+def has_faces(mesh: bpy.types.Mesh, name: str, faces: str) -> bool:
+    """Returns whether the mesh still has the faces that it had when we left an attribute."""
+    return fingerprints(mesh).get(name, "")[:LETTERS] == faces
+
+
+def is_filled(mesh: bpy.types.Mesh, values: np.ndarray) -> bool:
+    """Returns whether (n,) or (n, width) values at new vertices are those with which Blender fills an attribute.
+
+    A bake leaves no coverage of 0, and Blender's tools copy or interpolate all attributes together. Vertices without
+    coverage therefore come from another mesh. If that mesh has no such attribute, they have the value 0, or one color.
+    """
+    coverage = mesh.attributes.get(record.attribute_of(mesh, "coverage"))
+    if coverage is None or arrays.kind_of(coverage) != ("FLOAT", "POINT"):
+        return True
+    rows = values[arrays.attribute_values(coverage) == 0]
+    return not rows.any() if rows.ndim == 1 else np.allclose(rows, rows[:1], atol=1e-5)  # tools round one color, too
 
 
 # ---- Names
@@ -92,9 +114,10 @@ def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: st
 def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindOf, faces: str) -> str:
     """A name under which attributes, one for each ending, are free, or ours and unchanged.
 
-    It is the name itself, or has a number appended. A later bake finds the attributes of an earlier one again.
+    It is the name itself, or has a number appended. A later bake finds the attributes of an earlier one again. If the
+    faces have changed, a single attribute of several may be the user's, made after ours were deleted.
     """
-    ours = set(record.attributes_of(mesh))
+    ours, known = set(record.attributes_of(mesh)), fingerprints(mesh)
     user = next((item for item in bpy.data.objects if item.data == mesh), None)  # any knows the names of vertex groups
     taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *(user.vertex_groups.keys() if user is not None else ())}
     candidates = list(itertools.islice(file_names.numbered(name), len(taken) + 2))
@@ -102,7 +125,8 @@ def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindO
     def is_left(found: str) -> bool:
         there = [found + end for end in ends if found + end in taken]
         left = (one in ours and is_as_left(mesh, one, kind_of(one), faces) for one in there)
-        return bool(there) and all(left)
+        whole = len(there) == len(ends) or all(has_faces(mesh, one, faces) for one in there if one in known)
+        return bool(there) and all(left) and whole
 
     found = next(filter(is_left, candidates), None)
     return found or next(one for one in candidates if not any(one + end in taken for end in ends))

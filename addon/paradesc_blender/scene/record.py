@@ -67,6 +67,13 @@ def write(
     }
 
 
+def disown(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Drops the names of attributes that are no longer ours."""
+    known = read(mesh).get("attributes", [])
+    if not set(known).isdisjoint(names):
+        mesh[PROPERTY]["attributes"] = [name for name in known if name not in names]
+
+
 def forget(mesh: bpy.types.Mesh, word: str) -> None:
     """Drops one fact of a computation."""
     if word in kept(mesh, PROPERTY):

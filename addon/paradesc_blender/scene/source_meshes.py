@@ -52,7 +52,7 @@ def read(
 
     if source == "original":
         return Read(original(), source)
-    if target.data.is_editmode or target.mode == "SCULPT":
+    if is_edited(target):
         note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
         return Read(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
@@ -181,6 +181,11 @@ def shown_modifiers(target: bpy.types.Object, rendering: bool = False) -> list[b
     """The modifiers that are enabled in the viewport, or in renders, without the one that carries values."""
     shown = "show_render" if rendering else "show_viewport"
     return [item for item in target.modifiers if getattr(item, shown) and not carrying.is_ours(item)]
+
+
+def is_edited(target: bpy.types.Object) -> bool:
+    """Returns whether the mode shows the object's own mesh as it is edited, with the active shape key alone."""
+    return target.data.is_editmode or target.mode == "SCULPT"
 
 
 def shape_key(target: bpy.types.Object, active: bool) -> bpy.types.ShapeKey | None:

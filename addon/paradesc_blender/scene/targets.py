@@ -134,16 +134,18 @@ def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
 
 
 def shows_shape_key(target: bpy.types.Object) -> bool:
-    """Whether the viewport shows another shape than the basis of the shape keys."""
+    """Whether the viewport shows another shape than the basis of the shape keys, or than the one that is edited."""
     keys = target.data.shape_keys
-    return keys is not None and (
-        target.show_only_shape_key or any(block.value != 0 and not block.mute for block in keys.key_blocks[1:])
-    )
+    if keys is None or source_meshes.is_edited(target):
+        return False
+    if not keys.use_relative:
+        return keys.eval_time != keys.reference_key.frame
+    return target.show_only_shape_key or any(block.value != 0 and not block.mute for block in keys.key_blocks[1:])
 
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
-    """Takes the positions of the chosen shape key; returns a note if another shape is shown."""
-    key = source_meshes.shape_key(target, active=shape == "active")
+    """Takes the positions of the chosen shape key, or of the edited one; returns a note if another shape is shown."""
+    key = source_meshes.shape_key(target, active=shape == "active" or source_meshes.is_edited(target))
     if key is None:
         return []
     if len(key.data) != len(arrays.positions):

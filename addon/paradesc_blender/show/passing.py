@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import bpy
 
 from ..scene.node_groups import MARK
+from ..scene.source_meshes import curves_of
 
 # The values that pass through a node: its output by the name of the input, which is that of the shader's input as well.
 Passed = dict[str, str]
@@ -63,10 +64,29 @@ def take_out(node: bpy.types.Node, passed: Passed) -> None:
 
 
 def bring(source: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
-    """Copies the value and the link of one socket to another. Blender 3.4 does not count muted links as links."""
+    """Gives a socket the value, the link and the animation of another. Blender 3.4 does not count muted links."""
     links = source.id_data.links
     socket.default_value = source.default_value
+    animate(source.id_data.animation_data, *(one.path_from_id("default_value") for one in (source, socket)))
     for link in list(socket.links):
         links.remove(link)
     for link in source.links:
         links.new(link.from_socket, socket).is_muted = link.is_muted
+
+
+def animate(animation: bpy.types.AnimData | None, source: str, path: str) -> None:
+    """Moves drivers and keyframes from one data path to another; an action that others use as well is copied."""
+    if animation is None:
+        return
+    if any(curve.data_path == source for curve in curves_of(animation)):
+        strips = (strip for track in animation.nla_tracks for strip in track.strips)
+        for user in [one for one in (animation, *strips) if one.action is not None and is_shared(one.action)]:
+            user.action = user.action.copy()
+    for curve in (*animation.drivers, *curves_of(animation)):
+        if curve.data_path == source:
+            curve.data_path = path
+
+
+def is_shared(action: bpy.types.Action) -> bool:
+    """Returns whether an action has several users, or is linked from another file."""
+    return action.users - action.use_fake_user > 1 or action.library is not None
