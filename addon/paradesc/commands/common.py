@@ -102,7 +102,7 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
 
 
 def has_blender() -> bool:
-    """Whether Blender's Python module and the add-on can be imported; this does not import them."""
+    """Returns whether Blender's Python module and the add-on can be imported; this does not import them."""
     return lacking() is None
 
 
@@ -122,7 +122,7 @@ def open_file() -> Path | None:
 
 
 def saves_scene(arguments: argparse.Namespace) -> bool:
-    """Whether a .blend is among the outputs, so that results have to be written to the scene's objects."""
+    """Returns whether a .blend is among the outputs, so that results have to be written to the scene's objects."""
     return any(path.suffix.lower() == ".blend" for path in arguments.output)
 
 

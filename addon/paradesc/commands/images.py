@@ -54,7 +54,7 @@ def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: Pr
 
 
 def spans_values(arguments: argparse.Namespace) -> bool:
-    """Whether .png images span the range from the smallest value to the largest."""
+    """Returns whether .png images span the range from the smallest value to the largest."""
     return not arguments.pack and arguments.png_range != "colors"
 
 

@@ -88,7 +88,7 @@ def sentence_of(error: BaseException) -> str:
 
 
 def prints_json(arguments: argparse.Namespace) -> bool:
-    """Whether the report goes to the standard output."""
+    """Returns whether the report goes to the standard output."""
     return str(arguments.json) == "-"
 
 

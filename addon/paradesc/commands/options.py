@@ -165,7 +165,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
 
 
 def is_preset_file(name: str) -> bool:
-    """Whether --preset names a file: by its suffix, or because it is the path of an existing file in another folder."""
+    """Returns whether --preset names a file: by its suffix, or as the path of an existing file in another folder."""
     path = Path(name)
     return path.suffix.lower() == preset_file.SUFFIX or (path.name != name and is_file(path))
 

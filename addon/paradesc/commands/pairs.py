@@ -27,7 +27,7 @@ def add_pair_options(parser: Parser) -> None:
 
 
 def is_asked(arguments: argparse.Namespace) -> bool:
-    """Whether the options ask for values of detailed objects."""
+    """Returns whether the options ask for values of detailed objects."""
     return bool(arguments.from_objects or arguments.from_file or arguments.pairs)
 
 

@@ -184,7 +184,7 @@ def scene_source(arguments: argparse.Namespace) -> Any:
 
 
 def reads_files(arguments: argparse.Namespace) -> bool:
-    """Whether the input is read without Blender: by --reader, or because Blender is missing or lacks the format."""
+    """Returns whether the input is read without Blender: by --reader, or as Blender is missing or lacks the format."""
     if arguments.input is None or arguments.reader == "blender":
         return False
     suffix = arguments.input.suffix.lower()

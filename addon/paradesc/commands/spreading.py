@@ -43,7 +43,7 @@ def cores() -> int:
 
 
 def in_blender() -> bool:
-    """Whether this is the Blender executable, whose Python cannot start worker processes."""
+    """Returns whether this is the Blender executable, whose Python cannot start worker processes."""
     blender = sys.modules.get("bpy")
     return blender is not None and bool(blender.app.binary_path)
 

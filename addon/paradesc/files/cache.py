@@ -234,12 +234,12 @@ def need(fits: object, fault: str) -> None:
 
 
 def is_whole(number: object, lowest: int, highest: int) -> bool:
-    """Whether it is a whole number in this range."""
+    """Returns whether it is a whole number in this range."""
     return type(number) is int and lowest <= number <= highest
 
 
 def kept(folder: Path, frame: int, key: str, content: str) -> bool:
-    """Whether this frame exists, is sound, and has this key and input."""
+    """Returns whether this frame exists, is sound, and has this key and input."""
     try:
         found = read_frame(frame_path(folder, frame))
     except ParadescError:

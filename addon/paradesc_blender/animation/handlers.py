@@ -106,7 +106,7 @@ def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None
 def settings_changed(
     targets: list[bpy.types.Object], scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
 ) -> bool:
-    """Whether the scene's settings differ from those with which the values on the objects were computed."""
+    """Returns whether the scene's settings differ from those with which the values on the objects were computed."""
     if not any(update.id.original == scene for update in depsgraph.updates):
         return False
     asked = filter(None, map(sessions.session_at, targets))

@@ -47,7 +47,7 @@ class LiveRequest:
     chosen: tuple[object, ...]  # as chosen() gives it
 
     def same(self, other: "LiveRequest | None") -> bool:
-        """Whether the results would be the same."""
+        """Returns whether the results would be the same."""
         return (
             other is not None
             and self.read is other.read
@@ -149,7 +149,7 @@ class Session:
         return True
 
     def has_settings(self, scene: bpy.types.Scene) -> bool:
-        """Whether the newest request, or the newest values, have the scene's present settings."""
+        """Returns whether the newest request, or the newest values, have the scene's present settings."""
         asked = self.latest.newest or self.done
         try:
             return asked is None or asked.chosen == chosen(scene, rendering=False)
@@ -370,7 +370,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
 
 
 def follows_mesh(settings: Settings) -> bool:
-    """Whether a single radius follows from the mesh. With several, the names of the values contain the radii."""
+    """Returns whether a single radius follows from the mesh. With several, names of values contain the radii."""
     return settings.radius_fit in advice.SIZES and not settings.more_radii
 
 
@@ -380,7 +380,7 @@ def chosen(scene: bpy.types.Scene, rendering: bool) -> tuple[object, ...]:
 
 
 def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
-    """Whether live mode's own, quicker settings apply."""
+    """Returns whether live mode's own, quicker settings apply."""
     return not (rendering and scene.paradesc_live.full_render)
 
 
@@ -398,7 +398,7 @@ def device_of(settings: Settings) -> tuple[str, int, int]:
 
 
 def measures_maps(target: bpy.types.Object) -> bool:
-    """Whether any scene of the object measures its material's maps."""
+    """Returns whether any scene of the object measures its material's maps."""
     return any(scene.paradesc.material_maps for scene in target.users_scene)
 
 

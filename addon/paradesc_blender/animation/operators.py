@@ -69,7 +69,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Whether the operator can run; the button's tooltip says why not."""
+        """Returns whether the operator can run; the button's tooltip says why not."""
         return translation.can_run(cls, "" if sessions.live_objects() else "Switch an object to Live first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -77,7 +77,7 @@ class Painter:
             mesh_io.show(mesh, self.at[mesh_io.most_telling(seen)])
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
-        """Whether the attributes still hold what was written, without an undo or another change since."""
+        """Returns whether the attributes still hold what was written, without an undo or another change since."""
         for name, values in self.written.items():
             attribute = mesh.attributes.get(name)
             if attribute is None or arrays.kind_of(attribute) != mesh_io.wanted_kind(name):
@@ -97,7 +97,7 @@ class Painter:
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
-    """Whether the mesh has attributes with all these names."""
+    """Returns whether the mesh has attributes with all these names."""
     return all(mesh.attributes.get(name) is not None for name in names)
 
 
@@ -141,7 +141,7 @@ def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None 
 
 
 def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether this is a view layer's own depsgraph, whose evaluation gives the originals their animated values."""
+    """Returns whether this is a view layer's own depsgraph, whose evaluation animates the originals."""
     return depsgraph.view_layer.depsgraph == depsgraph
 
 
@@ -191,7 +191,7 @@ def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
 
 
 def keeps_ranges(group: bpy.types.PropertyGroup, look: Look) -> bool:
-    """Whether the stored ranges suit this look: only the color map differs, or the look fixes its own ranges."""
+    """Returns whether the stored ranges suit this look: only the map differs, or the look fixes its own ranges."""
     return bool(look.ranges) or group.ranges_look in ("", look_key(look))
 
 

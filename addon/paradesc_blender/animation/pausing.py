@@ -16,7 +16,7 @@ BUTTONS = {"LEFTMOUSE", "RIGHTMOUSE"}
 
 
 def is_held() -> bool:
-    """Whether live values wait."""
+    """Returns whether live values wait."""
     return bool(_holds)
 
 
@@ -35,7 +35,7 @@ def held() -> Iterator[None]:
 
 
 def is_busy() -> bool:
-    """Whether a stroke or a drag is under way in any window."""
+    """Returns whether a stroke or a drag is under way in any window."""
     windows = bpy.context.window_manager.windows
     if "modal_operators" in bpy.types.Window.bl_rna.properties:
         return any(item.bl_idname.startswith(DRAGGING) for window in windows for item in window.modal_operators)

@@ -81,7 +81,7 @@ def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def is_live(target: bpy.types.Object) -> bool:
-    """Whether live values are on for an object. It must be local, as a linked one could not keep them.
+    """Returns whether live values are on for an object. It must be local, as a linked one could not keep them.
 
     Reading the settings of an object would store them there, so objects without stored settings are not asked.
     """
@@ -107,7 +107,7 @@ def our_turn(wait: bool) -> Iterator[bool]:
 
 
 def is_ours() -> bool:
-    """Whether this thread is the one that writes."""
+    """Returns whether this thread is the one that writes."""
     return STATE.owner == threading.get_ident()
 
 
@@ -128,12 +128,12 @@ def refresh(
 
 
 def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether the event has to wait for values: in background mode, in renders, or if the scene says so."""
+    """Returns whether the event has to wait for values: in background mode, in renders, or if the scene says so."""
     return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
 
 
 def is_watched() -> bool:
-    """Whether an animation is playing or the current frame is being dragged."""
+    """Returns whether an animation is playing or the current frame is being dragged."""
     screens = [window.screen for window in bpy.context.window_manager.windows]
     return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
 

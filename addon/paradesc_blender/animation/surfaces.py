@@ -44,7 +44,7 @@ class Surface:
         return mesh_io.read_corner_normals(self.posed) if settings.options.normals == "mesh" else None
 
     def has_corners_of(self, known: MeshArrays) -> bool:
-        """Whether modifiers have made the same faces as before. Edits of other meshes are compared at rest."""
+        """Returns whether modifiers have made the same faces as before. Edits of other meshes are compared at rest."""
         return not self.generated or np.array_equal(arrays.read_corner_vertices(self.mesh), known.corner_vertices)
 
 
@@ -115,19 +115,19 @@ def lost(target: bpy.types.Object) -> Exception:
 
 
 def appends(target: bpy.types.Object, count: int, found: int, rendering: bool) -> bool:
-    """Whether the modifiers in use keep all original vertices and only append others."""
+    """Returns whether the modifiers in use keep all original vertices and only append others."""
     if cuts(target, rendering):
         return False
     return found >= count and all(item.type in APPENDING for item in changing(target, rendering))
 
 
 def cuts(target: bpy.types.Object, rendering: bool) -> bool:
-    """Whether a Mirror modifier with Bisect cuts vertices away. Their count may stay the same all the same."""
+    """Returns whether a Mirror modifier with Bisect cuts vertices away. Their count may stay the same all the same."""
     return any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in changing(target, rendering))
 
 
 def deforms(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> bool:
-    """Whether anything moves the vertices of the object's own mesh; nodes may do so if they keep the number."""
+    """Returns whether anything moves the vertices of the object's own mesh; nodes may do so if they keep the number."""
     own, kinds = target.data, {item.type for item in source_meshes.shown_modifiers(target, rendering)}
     moved = own.shape_keys is not None or own.animation_data is not None
     nodes = "NODES" in kinds and len(evaluated.data.vertices) == len(own.vertices)

@@ -44,7 +44,7 @@ class ModalJob:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether the operator can run; the button's tooltip says why not."""
+        """Returns whether the operator can run; the button's tooltip says why not."""
         running = "A bake is running; Esc cancels it" if ModalJob.running else ""
         return translation.can_run(cls, running or cls.obstacle(context))
 
@@ -172,7 +172,7 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
 
 
 def over_sidebar(context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Whether the mouse is over a sidebar, where the panels' settings are grey during the work."""
+    """Returns whether the mouse is over a sidebar, where the panels' settings are grey during the work."""
     return any(
         0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
         for region in sidebars(context.screen)

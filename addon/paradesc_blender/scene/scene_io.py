@@ -101,7 +101,7 @@ def imported(path: Path, faces: int) -> list[str]:
 
 
 def begins_with_mark(path: Path) -> bool:
-    """Whether a text begins with a byte order mark, after which Blender's .obj importer misreads the first line."""
+    """Returns whether a text begins with a byte order mark, for which Blender's .obj importer misreads the first line."""
     with path.open("rb") as file:
         return file.read(len(MARK)) == MARK
 

@@ -195,7 +195,7 @@ def shape_key(target: bpy.types.Object, active: bool) -> bpy.types.ShapeKey | No
 
 
 def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
-    """Whether both meshes have the same number of vertices and the same faces."""
+    """Returns whether both meshes have the same number of vertices and the same faces."""
     return (
         len(mesh.vertices) == len(other.vertices)
         and len(mesh.loops) == len(other.loops)

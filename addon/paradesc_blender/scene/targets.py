@@ -134,7 +134,7 @@ def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
 
 
 def shows_shape_key(target: bpy.types.Object) -> bool:
-    """Whether the viewport shows another shape than the basis of the shape keys, or than the one that is edited."""
+    """Returns whether the viewport shows another shape than the keys' basis, or than the one that is edited."""
     keys = target.data.shape_keys
     if keys is None or source_meshes.is_edited(target):
         return False

@@ -44,7 +44,7 @@ def shared_folders() -> list[Path]:
 
 
 def same_place(first: Path, second: Path) -> bool:
-    """Whether two paths are one folder."""
+    """Returns whether two paths are one folder."""
     return os.path.normcase(os.path.abspath(first)) == os.path.normcase(os.path.abspath(second))  # noqa: PTH100
 
 
