@@ -101,7 +101,7 @@ def imported(path: Path, faces: int) -> list[str]:
 
 
 def begins_with_mark(path: Path) -> bool:
-    """Returns whether a text begins with a byte order mark, for which Blender's .obj importer misreads the first line."""
+    """Returns whether a text begins with a byte order mark: Blender's .obj importer misreads a line after one."""
     with path.open("rb") as file:
         return file.read(len(MARK)) == MARK
 
