@@ -63,7 +63,7 @@ def tensor(mapping: object, name: str) -> object:
 
 def polydata_faces(mesh: object) -> Polygons:
     """The polygons of a PolyData, and then the triangles of its strips."""
-    listed = mesh.strips
+    listed = getattr(mesh, "strips", ())
     if not len(listed):
         return vtk_polygons(mesh.faces)
     strips = vtk_polygons(listed)
