@@ -227,6 +227,20 @@ def test_positions_that_are_not_finite_are_one_sentence(stretching):
     assert "3" in stretching.paradesc_live.sentence
 
 
+def test_a_frame_that_is_smaller_than_the_radius_is_undefined_and_live_goes_on(stretching):
+    switch(stretching)
+    sound = values(stretching.data)
+    for point in stretching.data.shape_keys.key_blocks[1].data:
+        point.co = 0, 0, 0
+    bpy.context.scene.frame_set(3)
+    assert np.isnan(values(stretching.data)).all()
+    assert "smaller than the radius at this frame" in live_panel.live_sentence(stretching)
+    bpy.context.scene.frame_set(1)
+    assert stretching.paradesc_live.mode == "LIVE"
+    np.testing.assert_array_equal(values(stretching.data), sound)
+    assert live_panel.live_sentence(stretching) == ""
+
+
 def test_what_nobody_thought_of_is_one_sentence(stretching, monkeypatch):
     switch(stretching)
 

@@ -10,8 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from .. import bridge
-from ..bridge import MeshArrays, origin
+from ..bridge import MeshArrays, abi, origin
+from ..bridge.library import new_struct
+from ..bridge.session import as_dict
 from . import job
+from .corners import Corners
 
 # The bound of native/src/mesh/halfedge.cpp: twice the area against the square of the longest edge.
 NO_AREA = 1e-12
@@ -66,11 +69,15 @@ class Stream(bridge.Closing):
         """Computes at (vertex_count, 3) positions; the results have the bits of job.run on a mesh that has them.
 
         The mesh's own normals (corner_count, 3) are needed with them where the settings ask for those or a normal map
-        is set; the tangents (corner_count, 4) with a normal map.
+        is set; the tangents (corner_count, 4) with a normal map. At positions that lie closer together than a fixed
+        radius, no value is defined.
         """
         arrays = self.moved(positions, corner_normals, corner_tangents)
         mesh = self.mesh_at(arrays, progress)
         try:
+            options, more = self.settings.options, self.settings.more_radii
+            if options.radius_unit == "absolute" and max((options.radius, *more)) > mesh.report()["diagonal"]:
+                return undefined(mesh, self.settings, self._context.device)
             results = job.run_on(mesh, arrays, self.settings, progress)
         except BaseException as error:
             self.forget()  # a layout may have been made whose report is lost
@@ -185,6 +192,31 @@ def distinct(keys: np.ndarray) -> int:
     """The number of different keys."""
     ordered = np.sort(keys)
     return 1 + int(np.count_nonzero(ordered[1:] != ordered[:-1])) if len(ordered) else 0
+
+
+def undefined(mesh: bridge.Mesh, settings: job.Settings, device: str) -> job.Results:
+    """The results on a mesh that is smaller than the largest radius, a length: no value is defined."""
+    count, nothing = mesh.vertex_count, as_dict(new_struct(abi.FieldReport))
+    values = {}
+    for name in settings.value_names():
+        width = job.registry_row(name).components
+        values[name] = np.full(count if width == 1 else (count, width), np.nan, np.float32)
+    radii = (settings.options.radius, *settings.more_radii)
+    reports = {
+        job.radius_suffix(radius) if len(radii) > 1 else "": {**nothing, "radius": radius, "undefined_vertices": count}
+        for radius in radii
+    }
+    coverage, mask = np.zeros(count, np.float32), np.full(count, abi.MASK_NO_FACE, np.uint8)
+    made = mesh.report(), next(iter(reports.values())), mesh.backend(settings.options), device
+    results = job.Results(settings, values, coverage, mask, *made, warnings=[], field_reports=reports)
+    if results.harris is not None:
+        results.corners = Corners(np.empty(0, np.int32), np.zeros(count, np.float32))
+    return results
+
+
+def is_too_small(results: job.Results) -> bool:
+    """Returns whether the mesh is smaller than a radius, so that these are undefined() results."""
+    return max(report["radius"] for report in results.field_reports.values()) > results.mesh_report["diagonal"]
 
 
 def goes_on(results: job.Results) -> bool:

@@ -10,10 +10,10 @@ from operator import attrgetter
 from pathlib import Path
 
 from .. import __version__
-from ..bridge import METHODS, Closing, InputError, MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import METHODS, Closing, InputError, MeshArrays, ParadescError, ProgressFunction, abi, unusable
 from ..core import color_maps, fitting, job
 from ..core.digests import digest
-from ..core.stream import Stream
+from ..core.stream import Stream, is_too_small
 from . import cache
 from .map_images import MapChoice
 from .reading import Read, on_original
@@ -63,6 +63,7 @@ class Baker(Closing):
             raise InputError("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
         self.notes: list[str] = []
+        self.undefined_frames: list[int] = []
         self._rest: job.Results | None = None
         self.stream: Stream | None = None
         try:
@@ -89,6 +90,11 @@ class Baker(Closing):
     def tell(self, notes: list[str]) -> None:
         """Adds the notes that are not among those of this mesh yet."""
         self.notes += [note for note in notes if note not in self.notes]
+
+    def tell_undefined(self, frame: int) -> None:
+        """Names the frame in the note about those in which the mesh is smaller than the radius."""
+        former, self.undefined_frames = undefined_note(self.undefined_frames), [*self.undefined_frames, frame]
+        self.notes = [*(note for note in self.notes if note != former), undefined_note(self.undefined_frames)]
 
     def open(self, settings: job.Settings) -> None:
         """Reads the base mesh as these settings need it, and opens their device."""
@@ -134,6 +140,8 @@ class Baker(Closing):
             results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
             computed = time.perf_counter()
             cache.write_frame(self.request.folder, self.content(task, results, rest))
+            if is_too_small(results):
+                self.tell_undefined(task.frame)
         except ParadescError as error:
             raise at_frame(task.frame, error) from error
         report = list(results.field_reports.values())
@@ -179,6 +187,12 @@ class Baker(Closing):
             self.stream.close()
 
 
+def undefined_note(frames: list[int]) -> str:
+    """The note about frames in which nothing can be measured."""
+    names = ", ".join(map(str, frames))
+    return f"The mesh is smaller than the radius in these frames, whose values are undefined: {names}."
+
+
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:
     """The settings with radii in units of the positions, so that they do not depend on the size of a frame's mesh."""
     unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
@@ -188,7 +202,12 @@ def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> jo
 
 def with_fixed_radii(stream: Stream, arrays: MeshArrays, settings: job.Settings) -> job.Settings:
     """The settings with the radii that a bake of these arrays would have, fitted to the mesh if they ask for that."""
-    found = at_fixed_radii(job.fitted(settings, arrays), stream.mesh_at(arrays).report())
+    report = stream.mesh_at(arrays).report()
+    found = at_fixed_radii(job.fitted(settings, arrays), report)
+    largest, diagonal = max((found.options.radius, *found.more_radii)), report["diagonal"]
+    if largest > diagonal:
+        sentence = f"The radius is {largest:.6g}, but the mesh's diagonal is only {diagonal:.6g}"
+        raise unusable(f"{sentence}; choose a smaller radius.")
     if settings.radius_fit not in fitting.NARROWED or not color_maps.EDGES & set(settings.descriptors):
         return found
 

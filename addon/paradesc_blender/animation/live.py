@@ -15,7 +15,7 @@ from paradesc.core import advice, color_maps, fitting
 from paradesc.core.color_maps import Look, ValueRange
 from paradesc.core.job import Results, Settings, registry_row
 from paradesc.core.latest import Latest, Outcome, is_cancelled
-from paradesc.core.stream import Stream
+from paradesc.core.stream import Stream, is_too_small
 from paradesc.files.frame_baking import with_fixed_radii
 from paradesc.files.reading import Read, on_original
 
@@ -29,6 +29,7 @@ from . import painting, surfaces
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
 # On a mesh of so many triangles a radius spans many edges, and fitted normals would make sculpting wait.
 FINE = 100_000
+TOO_SMALL = "The mesh is smaller than the radius at this frame, so its values are undefined."
 # The member of the mesh's record that keeps the radii of a generated mesh and the settings they follow from. Machines
 # of a farm start at other frames than the window did, and must use the same radii.
 RADII = "live_radii"
@@ -176,6 +177,7 @@ class Session:
         if changed:
             painting.tag_written(target, depsgraph)
         if fresh:
+            self.note = TOO_SMALL if is_too_small(self.results) else ""
             if not rendering:
                 self.show_radius(scene)
             write = time.perf_counter() - start
