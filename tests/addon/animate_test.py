@@ -103,7 +103,7 @@ def test_a_frame_that_is_smaller_than_the_radius_is_undefined_and_the_others_go_
     assert {name: array.shape for name, array in sound.items()} == {name: array.shape for name, array in small.items()}
     assert {name for name in small if not np.isnan(small[name]).all()} == {"coverage", "paradesc_mask", "harris_corner"}
     assert np.isfinite(sound["mean_curvature_r0.1"]).all()
-    assert cache.locked_ranges([tmp_path])["mean_curvature_r0.1"].maximum > 0.4
+    assert cache.locked_ranges({tmp_path: ""})["mean_curvature_r0.1"].maximum > 0.4
 
 
 def test_a_radius_larger_than_the_mesh_at_rest_is_refused(tmp_path):
