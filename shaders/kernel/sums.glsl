@@ -271,12 +271,12 @@ Neighborhood finish_neighborhood(Sums sums, float scale) {
     neighborhood.shape /= params.radius;
     find_directions(sums.center, neighborhood);
     neighborhood.standard_error = standard_error_of(m);
-    // The control variate's exact mean holds for a full flat disk, whose second moments are pi r^4/4 each. One that a boundary cuts
-    // has others.
+    // The control variate's exact mean holds for a full flat disk, whose second moments are pi r^4/4 each. These show no
+    // cut that takes little of the disk.
     float disk = 0.25f * PI * params.radius * params.radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
     float deviation = max(max(off.x, off.z), off.y), tolerance = disk_tolerance(m);
-    neighborhood.variate = params.variate_share * (1.0f - smoothstep(tolerance, 3.0f * tolerance, deviation));
+    neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f : params.variate_share * (1.0f - smoothstep(tolerance, 3.0f * tolerance, deviation));
   }
   find_curvatures(sums, neighborhood);
   return neighborhood;
