@@ -108,13 +108,15 @@ def test_animated_and_driven_inputs_go_through_the_group_and_come_back(target, s
     worn = wear_nodes(material)[0].inputs
     for frame, value in ((1, 0.125), (3, 0.875)):
         scene.frame_set(frame)
-        assert (worn["Roughness"].default_value, worn["Metallic"].default_value) == (value, frame / 4)
+        shown = worn["Roughness"].default_value, worn["Metallic"].default_value
+        assert shown == pytest.approx((value, frame / 4))  # since Blender 5.0 a driver has fewer digits
         assert not shared or shader_of(other).inputs["Roughness"].default_value == value
     assert bpy.ops.paradesc.remove_wear() == {"FINISHED"}
     inputs = shader_of(material).inputs
     for frame, value in ((1, 0.125), (3, 0.875)):
         scene.frame_set(frame)
-        assert (inputs["Roughness"].default_value, inputs["Metallic"].default_value) == (value, frame / 4)
+        shown = inputs["Roughness"].default_value, inputs["Metallic"].default_value
+        assert shown == pytest.approx((value, frame / 4))
 
 
 def test_no_node_of_the_users_moves(target):
