@@ -203,3 +203,11 @@ def pytest_unconfigure(config):
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(config.ended)
+
+
+@pytest.fixture
+def stretching():
+    """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
+    from live_values import stretching_sphere  # needs Blender
+
+    return stretching_sphere()

@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from live_values import baked_shape, live_settings, stretching_sphere, switch, values  # noqa: E402
+from live_values import baked_shape, live_settings, switch, values  # noqa: E402
 from paradesc_blender.animation import sessions, surfaces  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
@@ -13,12 +13,6 @@ NAME = "mean_curvature"
 
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def stretching():
-    """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
-    return stretching_sphere()
 
 
 def other_shape(name, size):

@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
+from live_values import NAME, count_computations, switch, values  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc_blender.animation import painting, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
@@ -13,12 +13,6 @@ from paradesc_blender.show import recolor  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def stretching():
-    """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
-    return stretching_sphere()
 
 
 def colored(target, low, high, **more):

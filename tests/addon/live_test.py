@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
-from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
+from live_values import baked_shape, count_computations, live_settings, switch, values  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc_blender.animation import handlers, live, painting, sessions, surfaces  # noqa: E402
 from paradesc_blender.scene import mesh_io, source_meshes  # noqa: E402
@@ -20,12 +20,6 @@ NAME = "mean_curvature"
 
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def stretching():
-    """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
-    return stretching_sphere()
 
 
 def edit_and_rest():
