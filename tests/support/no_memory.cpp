@@ -8,7 +8,7 @@ namespace paradesc::test {
 
 thread_local int64_t allocations_left = -1;
 
-static void *allocated(std::size_t size, std::size_t alignment) {
+[[maybe_unused]] static void *allocated(std::size_t size, std::size_t alignment) {
   if (allocations_left == 0) throw std::bad_alloc();
   if (allocations_left > 0) --allocations_left;
   size = size ? size : 1;
@@ -24,6 +24,13 @@ static void *allocated(std::size_t size, std::size_t alignment) {
 
 } // namespace paradesc::test
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define PARADESC_HAS_OTHER_NEW // a second one cannot be linked, so memory never ends under ThreadSanitizer
+#endif
+#endif
+
+#ifndef PARADESC_HAS_OTHER_NEW
 void *operator new(std::size_t size) { return paradesc::test::allocated(size, 0); }
 void *operator new[](std::size_t size) { return paradesc::test::allocated(size, 0); }
 // AddressSanitizer has its own of these, whose memory free() may not return.
@@ -48,3 +55,4 @@ void operator delete(void *memory, std::align_val_t) noexcept { free_aligned(mem
 void operator delete[](void *memory, std::align_val_t) noexcept { free_aligned(memory); }
 void operator delete(void *memory, std::size_t, std::align_val_t) noexcept { free_aligned(memory); }
 void operator delete[](void *memory, std::size_t, std::align_val_t) noexcept { free_aligned(memory); }
+#endif
