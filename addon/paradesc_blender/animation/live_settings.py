@@ -45,7 +45,7 @@ class PARADESC_PG_live_range(bpy.types.PropertyGroup):
     maximum: bpy.props.FloatProperty(
         name="To", description="Value at the upper end of the colors", precision=4, update=range_changed
     )
-    typed: bpy.props.BoolProperty(name="Typed", description="Whether somebody has set this range", options={"HIDDEN"})
+    typed: bpy.props.BoolProperty(name="Typed", description="The range was set by somebody, and stays", options={"HIDDEN"})
 
 
 class PARADESC_PG_live(bpy.types.PropertyGroup):
@@ -85,7 +85,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
     missing: bpy.props.EnumProperty(
         name="Missing Frames",
-        description="What is shown at frames that the cache lacks",
+        description="Values at frames that the cache lacks",
         items=MISSING,
         default="HOLD",
         update=settings_changed,
