@@ -5,6 +5,7 @@ the voxels are labels, the third coordinate is halfway between two planes, unles
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -29,6 +30,11 @@ class Grid:
     size: float
     on_plane: NDArray[np.bool_]
     halfway: NDArray[np.bool_]
+
+    @cached_property
+    def share(self) -> float:
+        """The share of the vertices on planes."""
+        return float(self.on_plane.mean())
 
 
 def notes(positions: np.ndarray, radius: float, is_chosen: bool) -> list[str]:
@@ -60,6 +66,8 @@ def made_of(positions: np.ndarray) -> tuple[float, bool] | None:
             return None
         of_axes.append(found)
     for grids in product(*of_axes):
+        if not 2 * NEARLY_ALL <= sum(grid.share for grid in grids) <= 3 - NEARLY_ALL:  # as on edges
+            continue
         on_plane = np.stack([grid.on_plane for grid in grids])
         on_edge = on_plane.sum(axis=0) == 2
         along = (~on_plane & on_edge).mean(axis=1) > 1 - NEARLY_ALL  # a height field has edges along one axis alone
