@@ -65,7 +65,7 @@ def baked():
     """The results of what the button would do, without images."""
     batch = image_batch.ImageBatch(bpy.context, onto=True)
     while not batch.done:
-        batch.step(wait=True)
+        batch.step(None)
     return [piece.textures.results for piece in batch.written]
 
 

@@ -47,7 +47,7 @@ def reports(action):
     """The reports of the operator, from a batch that runs as the operator does."""
     made = batch.Batch(bpy.context)
     while not made.done:
-        made.step(wait=True)
+        made.step(None)
         action(made)
     return made
 
@@ -121,7 +121,7 @@ def test_cancelled_after_the_first_mesh_nothing_of_it_stays(spheres):
     before = [fingerprint(target) for target in spheres]
     made = batch.Batch(bpy.context)
     made.step()
-    made.step(wait=True)
+    made.step(None)
     assert made.current == 1
     made.step()
     made.cancel()

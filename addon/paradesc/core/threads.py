@@ -102,9 +102,9 @@ class Worker(Generic[Result]):
         """Asks the native call to stop at its next tile."""
         self._cancelled.set()
 
-    def join(self) -> None:
-        """Waits for the end."""
-        self._thread.join()
+    def join(self, patience: float | None = None) -> None:
+        """Waits for the end, but no longer than these seconds."""
+        self._thread.join(patience)
 
     def result(self) -> Result:
         """Waits for the end; returns the result or raises the error. After cancel() it raises in any case."""

@@ -21,7 +21,6 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
     bl_idname = "paradesc.bake_frames"
     bl_label = "Bake Frames"
     bl_options = {"REGISTER", "UNDO"}
-    timer_step = 0.02  # a frame may take no longer
     as_before = "Cancelled; the frames so far are in the cache"
 
     @classmethod

@@ -1,5 +1,6 @@
 """Runs work without blocking the window, with progress in the panel and Esc; scripts run the same steps in a row."""
 
+import time
 from collections.abc import Iterator
 
 import bpy
@@ -26,8 +27,9 @@ class ModalJob:
 
     # The work under way in the window, for the panel. A modal operator takes all events, so there is at most one.
     running: Pieces | None = None
-    # Seconds between two checks of the worker.
-    timer_step = 0.1
+    # Seconds between two turns of the work, and for which a turn may hold up the window: as many small meshes or frames
+    # as fit. A worker that takes longer is left alone until it has ended.
+    turn = 0.05
     # The sentence after Esc.
     as_before = ""
 
@@ -54,7 +56,7 @@ class ModalJob:
             return {"CANCELLED"}
         try:
             while not self.job.done:
-                self.job.step(wait=True)
+                self.job.step(None)
             return self.end(context)
         except BaseException:  # such as Ctrl-C
             self.give_up()
@@ -68,7 +70,7 @@ class ModalJob:
             return {"CANCELLED"}
         ModalJob.running, self.shown = self.job, ""
         manager = context.window_manager
-        self.timer = manager.event_timer_add(self.timer_step, window=context.window)
+        self.timer = manager.event_timer_add(self.turn, window=context.window)
         manager.progress_begin(0.0, 1.0)
         manager.modal_handler_add(self)
         self.show_progress(context)
@@ -112,9 +114,10 @@ class ModalJob:
             free = event.type in VIEW_EVENTS or (event.type in BUTTON_EVENTS and over_sidebar(context, event))
             return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
         try:
-            self.job.step()
-            if self.job.worker is None:  # what comes next need not wait for the next turn
-                self.job.step()
+            end = time.monotonic() + self.turn
+            goes_on = self.job.step()
+            while goes_on and not self.job.done and (left := end - time.monotonic()) > 0.0:
+                goes_on = self.job.step(left)
             if not self.job.done:
                 self.show_progress(context)
                 return {"RUNNING_MODAL"}

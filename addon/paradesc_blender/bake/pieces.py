@@ -86,21 +86,25 @@ class Pieces:
             self.cancelled = self.cancelled or error.status == abi.STATUS_CANCELLED
             piece.failure = error.sentence
 
-    def step(self, wait: bool = False) -> None:
-        """Goes on with the work if its worker has ended; wait: waits for that. A cancelled one is closed instead."""
-        if self.done or (self.worker is not None and not wait and not self.worker.done):
-            return
+    def step(self, patience: float | None = 0.0) -> bool:
+        """Goes on with the work if its worker has ended, or is closed if it was cancelled; returns whether it did.
+
+        patience: the seconds to wait for the worker, or None to wait until it ends.
+        """
         if self.worker is not None:
-            self.worker.join()  # if Ctrl-C interrupts the wait, the worker stays for close()
-            self.worker = None
+            self.worker.join(patience)  # if Ctrl-C interrupts the wait, the worker stays for close()
+        if self.done or (self.worker is not None and not self.worker.done):
+            return False
+        self.worker = None
         if self.cancelled:
             self._work.close()
             self.done = True
-            return
+            return True
         try:
             self.worker = next(self._work)
         except StopIteration:
             self.done = True
+        return True
 
     def cancel(self) -> None:
         """Asks the worker to stop; the work ends once it has."""
@@ -113,7 +117,7 @@ class Pieces:
         if not self.done:
             self.cancel()
         while not self.done:
-            self.step(wait=True)
+            self.step(None)
 
     @property
     def fraction(self) -> float:
