@@ -195,9 +195,9 @@ def of_base64(size: int) -> int:
 
 def from_base64(text: bytes, at: int, size: int) -> bytes:
     """So many bytes, decoded from the letters that begin here."""
-    letters = taken(text, at, of_base64(size))
+    letters = taken(text, at, of_base64(size)).rstrip(b"=")
     try:
-        found = base64.b64decode(letters.rstrip(b"=") + b"=" * (-size % 3), validate=True)
+        found = base64.b64decode(letters + b"=" * (-len(letters) % 4), validate=True)
     except binascii.Error as error:
         raise ValueError("an array of it is not base64") from error
     return found[:size]
