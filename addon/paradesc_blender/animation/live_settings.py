@@ -45,7 +45,7 @@ class PARADESC_PG_live_range(bpy.types.PropertyGroup):
     maximum: bpy.props.FloatProperty(
         name="To", description="Value at the upper end of the colors", precision=4, update=range_changed
     )
-    typed: bpy.props.BoolProperty(name="Typed", description="The range was set by somebody, and stays", options={"HIDDEN"})
+    typed: bpy.props.BoolProperty(name="Typed", description="Somebody set the range, so it stays", options={"HIDDEN"})
 
 
 class PARADESC_PG_live(bpy.types.PropertyGroup):

@@ -1,5 +1,6 @@
 """Changes the colors of a bake on a mesh by the stored values, without computing anything again."""
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -128,13 +129,14 @@ def obstacle(context: bpy.types.Context) -> str:
     return ""
 
 
-def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
+def baked_targets(context: bpy.types.Context) -> Iterator[bpy.types.Object]:
     """The chosen and other selected objects with results; only the first of several that share a mesh."""
-    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    seen = set()
     for target in [*targets.chosen(context), *context.selected_objects]:
-        if target.type == "MESH" and baked_names(target.data):
-            found.setdefault(target.data, target)
-    return list(found.values())
+        if target.type == "MESH" and target.data not in seen:
+            seen.add(target.data)
+            if baked_names(target.data):
+                yield target
 
 
 class NeedsBake:
@@ -149,7 +151,7 @@ class NeedsBake:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode, where attributes can be read and written."""
-        found = baked_targets(context) if self.whole_selection else [targets.first(context)]
+        found = [*baked_targets(context)] if self.whole_selection else [targets.first(context)]
         failures = 0
         with modes.object_mode():
             self.prepare(context, found)

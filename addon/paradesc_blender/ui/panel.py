@@ -132,8 +132,8 @@ def draw_obstacles(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         words = label("{count} skipped: {kinds}").format(count=len(skipped), kinds=kinds)
         sentence_lines(context, layout, words, "INFO")
         layout.operator("paradesc.convert_to_mesh", icon="MESH_DATA")
-    uneven = [item for item in chosen if not spaces.is_even(item.matrix_world)]
-    if uneven and settings.space == "object":
+    asked = chosen[: large_faces.MOST_ASKED] if settings.space == "object" else []
+    if any(not spaces.is_even(item.matrix_world) for item in asked):
         if not stored_report(chosen[0]):  # its warnings say so at length
             sentence_lines(context, layout, "The object's uneven scale is ignored", "INFO")
         layout.prop_enum(settings, "space", "world", text=label("Measure in World"), translate=False, icon="WORLD")

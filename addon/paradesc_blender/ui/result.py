@@ -1,5 +1,7 @@
 """Draws the result of the last bake in the main panel: one line, the choice of what to show, and warnings."""
 
+from itertools import islice
+
 import bpy
 
 from paradesc import bridge
@@ -56,7 +58,7 @@ def draw_levels(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     setting(column, looks, "brightness", slider=True)
     row = column.row(align=True)
     row.prop(looks, "invert", text=label("Invert"), translate=False, toggle=True)
-    if len(recolor.baked_targets(context)) > 1:
+    if len([*islice(recolor.baked_targets(context), 2)]) == 2:
         row.prop(looks, "same_scale", text=label("Same Scale"), translate=False, toggle=True)
 
 
