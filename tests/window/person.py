@@ -124,9 +124,9 @@ def preferences() -> Iterator[None]:
     area.type = "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Paradesc"
-    (entry,) = (addon_utils.module_bl_info(module) for module in addon_utils.modules() if module.__name__ == "paradesc")
+    (entry,) = (addon_utils.module_bl_info(module) for module in addon_utils.modules() if module.__name__ == "paradesc_blender")
     if not entry["show_expanded"]:
-        bpy.ops.preferences.addon_expand(module="paradesc")
+        bpy.ops.preferences.addon_expand(module="paradesc_blender")
     yield from drawn(10)
 
 

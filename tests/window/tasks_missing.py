@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 def without_numpy(run: "Run") -> Iterator[None]:
     """Ticks the add-on where numpy cannot be imported; nothing else can be tried in this Blender afterwards."""
-    bpy.ops.preferences.addon_disable(module="paradesc")
-    for name in [name for name in sys.modules if name.partition(".")[0] == "paradesc"]:
+    bpy.ops.preferences.addon_disable(module="paradesc_blender")
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("paradesc", "paradesc_blender")]:
         del sys.modules[name]
     kept, sys.modules["numpy"] = sys.modules["numpy"], None
     try:
