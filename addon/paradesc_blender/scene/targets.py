@@ -128,9 +128,8 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
 
 def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
     """The source of the surface in the viewport: the base mesh unless modifiers or shape keys change it there."""
-    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
     changes = bool(source_meshes.shown_modifiers(target)) or (shape_key == "basis" and shows_shape_key(target))
-    return source_kinds.EVALUATED if changes and evaluated else source_kinds.ORIGINAL
+    return source_kinds.EVALUATED if changes else source_kinds.ORIGINAL
 
 
 def shows_shape_key(target: bpy.types.Object) -> bool:
