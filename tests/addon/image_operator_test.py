@@ -165,6 +165,19 @@ def test_the_users_own_material_gets_a_node_and_no_link(folder, settings):
     assert list(bpy.data.materials) == [material]
 
 
+def test_a_linked_material_is_one_sentence_and_no_image_is_written(folder, settings, tmp_path_factory):
+    library = tmp_path_factory.mktemp("library") / "library.blend"
+    bpy.data.libraries.write(str(library), {bpy.data.materials.new("theirs")})
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.materials = ["theirs"]
+    bpy.data.objects["ball"].data.materials.append(wanted.materials[0])
+    settings.image_to_material = True
+    with pytest.raises(RuntimeError, match='"theirs" is linked from another file; make it local first'):
+        bpy.ops.paradesc.bake_image()
+    assert pngs_in(folder) == []
+    assert not bpy.data.images
+
+
 def test_cancelled_at_any_time_nothing_is_left(folder):
     for fraction in (0.0, 0.3, 0.75, 0.95):
         batch = image_batch.ImageBatch(bpy.context)
