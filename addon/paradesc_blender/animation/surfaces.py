@@ -148,7 +148,7 @@ def waiting_sentence(target: bpy.types.Object) -> str:
 
     In edit mode and with dynamic topology Blender works on a copy of the mesh; vertex paint keeps tables of its own.
     """
-    if target.mode in ("EDIT", "VERTEX_PAINT"):
+    if target.data.is_editmode or target.mode == "VERTEX_PAINT":
         return "Values follow when this mode is left."
     if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
         return "Values follow when dynamic topology is switched off."
