@@ -195,6 +195,12 @@ def test_operators_are_grey_without_a_bake():
             getattr(bpy.ops.paradesc, name)()
 
 
+def test_a_copy_with_values_says_which_mode_to_leave(baked):
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    with pytest.raises(RuntimeError, match="Leave weight paint mode first"):
+        bpy.ops.paradesc.make_result_object()
+
+
 def test_packed_channels_are_the_values_over_their_ranges(baked):
     group().pack_red, group().pack_green, group().pack_blue = "mean_curvature", "curvedness", "coverage"
     bpy.ops.paradesc.pack()

@@ -36,7 +36,7 @@ class Surface:
         wanted = (settings.options.normals == "mesh", needs_uvs(settings))
         if not self.generated:
             return Read(mesh_io.read_object(target, *wanted))
-        made = mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
+        made = source_meshes.read_made(target, self.mesh, *wanted)
         return Read(made, earlier=carrying.carried_values(target, self.mesh))
 
     def normals(self, settings: Settings) -> np.ndarray | None:

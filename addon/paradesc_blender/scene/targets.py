@@ -77,6 +77,11 @@ def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
     return list(groups.values())
 
 
+def leave(mode: str) -> str:
+    """The sentence about a mode that stands in the way."""
+    return f"Leave {mode.replace('_', ' ').lower()} mode first"
+
+
 def reading_obstacle(context: bpy.types.Context) -> str:
     """One sentence about why no mesh can be read now, or ""."""
     missing = bridge.missing_sentence()
@@ -84,7 +89,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return missing
     active = context.active_object
     if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
-        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
+        return leave(active.mode)
     targets = chosen(context)
     if not targets:
         return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
