@@ -107,6 +107,19 @@ def test_what_a_joined_mesh_brings_stays(name, target):
     assert not name or np.isin(values, arrays.attribute_values(target.data.attributes[name])).all()
 
 
+@pytest.mark.parametrize("name", [NAME, "coverage"])
+def test_live_values_leave_what_a_joined_mesh_brings(name, target):
+    switch(target)
+    other = add_sphere("other", steps=4)
+    values = own_cavity(other.data, name)
+    select(other, target)
+    bpy.ops.object.join()
+    bpy.context.scene.frame_set(2)
+    assert target.paradesc_live.mode == "LIVE"
+    assert np.isin(values, arrays.attribute_values(target.data.attributes[name])).all()
+    assert f"{name}_2" in target.data.attributes
+
+
 @pytest.mark.parametrize("invert", [False, True])
 def test_ours_stays_ours_where_zero_is_white(invert, target):
     bpy.context.scene.paradesc_looks.invert = invert
