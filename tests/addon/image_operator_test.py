@@ -199,6 +199,21 @@ def test_a_file_that_cannot_be_written_is_one_sentence_and_keeps_the_old_one(fol
     assert pngs_in(folder) == ["ball_curvature.png"]
 
 
+@pytest.mark.parametrize("uv_map", [True, False])
+@pytest.mark.parametrize("size", [(0, 0, 0), (1, 0, 0)])
+def test_a_mesh_without_area_is_one_sentence_and_keeps_its_uv_maps(folder, size, uv_map):
+    mesh = bpy.data.objects["ball"].data
+    for vertex in mesh.vertices:
+        vertex.co = [place * side for place, side in zip(vertex.co, size, strict=True)]
+    if not uv_map:
+        mesh.uv_layers.remove(mesh.uv_layers[0])
+    names = mesh.uv_layers.keys()
+    with pytest.raises(RuntimeError, match=r"^Error: The mesh has no area; there is no surface to measure\.$"):
+        bpy.ops.paradesc.bake_image()
+    assert mesh.uv_layers.keys() == names
+    assert pngs_in(folder) == []
+
+
 def test_it_works_in_edit_mode(folder):
     bpy.ops.object.mode_set(mode="EDIT")
     assert bpy.ops.paradesc.bake_image("INVOKE_DEFAULT") == {"FINISHED"}
