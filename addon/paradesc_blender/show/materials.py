@@ -173,7 +173,7 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
             self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:
             material = slot.material
-            if material is not None and DESCRIPTOR not in material and material.library is None:
+            if material is not None and DESCRIPTOR not in material and not linked(material):
                 for node in own_nodes(material.node_tree, CAVITY_GROUP):
                     if passes(node, PASSED):
                         take_out(node, PASSED)
