@@ -82,6 +82,13 @@ def leave(mode: str) -> str:
     return f"Leave {mode.replace('_', ' ').lower()} mode first"
 
 
+def hidden(context: bpy.types.Context) -> str:
+    """One sentence about an active object that cannot leave its mode because it is hidden, or ""."""
+    active = context.active_object
+    stuck = active is not None and active.mode != "OBJECT" and not bpy.ops.object.mode_set.poll()
+    return "Show the hidden object first" if stuck else ""
+
+
 def reading_obstacle(context: bpy.types.Context) -> str:
     """One sentence about why no mesh can be read now, or ""."""
     missing = bridge.missing_sentence()
@@ -90,6 +97,8 @@ def reading_obstacle(context: bpy.types.Context) -> str:
     active = context.active_object
     if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
         return leave(active.mode)
+    if hidden(context):
+        return hidden(context)
     targets = chosen(context)
     if not targets:
         return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
