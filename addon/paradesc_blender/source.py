@@ -24,7 +24,7 @@ from paradesc.files.reading import Read
 from paradesc.files.results import Baked
 
 from .animation import frames
-from .scene import delivery, mesh_io, record, scene_io, targets
+from .scene import delivery, mesh_io, modes, record, scene_io, targets
 from .settings import animation, hooks, looks, preset_folders, properties
 from .settings.looks import scene_look
 
@@ -160,13 +160,18 @@ class SceneSource(Source):
 
     @contextmanager
     def frame_baker(self, target: bpy.types.Object, request: FrameRequest) -> Iterator[frames.FrameBaker]:
-        """Yields what bakes the object's frames; the scene is at its own frame again at the end."""
-        scene, source = bpy.context.scene, frames.source_of(target, request.source)
-        request = replace(request, source=source, maps=self.request().maps)
-        with quiet(self.arguments.verbose):
-            baker = frames.FrameBaker(scene, target, request)
-        with baker, frames.frame_kept(scene), baker.evaluating():
-            yield baker
+        """Yields what bakes the object's frames; the scene is at its own frame again at the end.
+
+        A file may have been saved in edit mode, which does not show the animation.
+        """
+        scene = bpy.context.scene
+        with modes.object_mode(target):
+            source = frames.source_of(target, request.source)
+            request = replace(request, source=source, maps=self.request().maps)
+            with quiet(self.arguments.verbose):
+                baker = frames.FrameBaker(scene, target, request)
+            with baker, frames.frame_kept(scene), baker.evaluating():
+                yield baker
 
     # ---- Settings
 

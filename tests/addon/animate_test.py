@@ -313,6 +313,22 @@ def test_command_notes_once_what_has_no_effect_on_the_processor(run, cylinder_bl
     assert "3 frames made" in ended.output
 
 
+def test_a_file_that_was_saved_in_edit_mode_has_the_frames_of_its_animation(run, tmp_path):
+    target = animated.swelling_sphere(steps=4)
+    target.active_shape_key_index = 1
+    for mode in ("OBJECT", "EDIT"):
+        bpy.ops.object.mode_set(mode=mode)
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / f"{mode}.blend"))
+    for mode in ("OBJECT", "EDIT"):
+        ended = run("animate", tmp_path / f"{mode}.blend", *QUICK, "--frames", "1:11:10", "--cache", tmp_path / mode)
+        assert ended.code == 0, ended.error
+        assert bpy.context.object.mode == mode
+    for frame, radius in ((1, 2), (11, 4)):
+        whole, edited = (values(tmp_path / mode / "sphere", frame) for mode in ("OBJECT", "EDIT"))
+        assert whole.tobytes() == edited.tobytes()
+        assert edited.mean() == pytest.approx(1 / radius, rel=0.05)  # the sphere is coarse
+
+
 def test_bake_measures_the_source_that_is_asked_for(paradesc, cylinder_blend):
     bpy.context.scene.frame_set(20)
     bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))

@@ -180,6 +180,18 @@ def test_live_values_wait_while_frames_are_baked_and_are_right_after(pair, monke
     assert isinstance(sessions.session_at(large), live.Session)
 
 
+def test_a_damaged_range_is_one_sentence_and_all_frames_stay(pair):
+    path = folders(pair)[0] / cache.RANGE_FILE
+    path.parent.mkdir()
+    path.write_text("{")
+    with pytest.raises(RuntimeError) as raised:
+        bpy.ops.paradesc.bake_frames()
+    (line,) = str(raised.value).strip().splitlines()
+    assert line.startswith(f'Error: The file "{path}" is damaged (')
+    assert line.endswith("); remove it, or give the range again.")
+    assert [list(cache.frames_in(folder)) for folder in folders(pair)] == [[1, 2, 3]] * 2
+
+
 def test_frames_wait_for_no_mode_but_those_that_hold_the_mesh(pair):
     assert bpy.ops.paradesc.bake_frames.poll()
     bpy.context.view_layer.objects.active = pair[0]

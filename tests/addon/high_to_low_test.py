@@ -190,6 +190,18 @@ def test_a_detailed_mesh_is_measured_as_it_is_shown(settings):
     assert found.transfer.missed == 0
 
 
+def test_a_detailed_mesh_that_is_disabled_is_not_measured_without_its_modifiers(settings):
+    bpy.context.scene.paradesc_animation.source = "auto"
+    detailed = bpy.data.objects["fine"]
+    detailed.name, bpy.data.objects["coarse"].name = "prop_high", "prop_low"
+    detailed.modifiers.new("s", "SUBSURF")
+    detailed.hide_viewport = True
+    select("prop_low")
+    with pytest.raises(RuntimeError, match=r'"prop_high" is disabled in viewports .*; enable it, or choose the source'):
+        bpy.ops.paradesc.bake_onto()
+    assert not bpy.data.images
+
+
 # ---- The command line
 
 WORDS = ("--radius", "0.08", "--samples", "32", "--backend", "cpu", "--texels", "48", "--quiet")

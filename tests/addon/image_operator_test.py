@@ -165,6 +165,19 @@ def test_the_users_own_material_gets_a_node_and_no_link(folder, settings):
     assert list(bpy.data.materials) == [material]
 
 
+def test_a_linked_material_is_one_sentence_and_no_image_is_written(folder, settings, tmp_path_factory):
+    library = tmp_path_factory.mktemp("library") / "library.blend"
+    bpy.data.libraries.write(str(library), {bpy.data.materials.new("theirs")})
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.materials = ["theirs"]
+    bpy.data.objects["ball"].data.materials.append(wanted.materials[0])
+    settings.image_to_material = True
+    with pytest.raises(RuntimeError, match='"theirs" is linked from another file; make it local first'):
+        bpy.ops.paradesc.bake_image()
+    assert pngs_in(folder) == []
+    assert not bpy.data.images
+
+
 def test_cancelled_at_any_time_nothing_is_left(folder):
     for fraction in (0.0, 0.3, 0.75, 0.95):
         batch = image_batch.ImageBatch(bpy.context)
@@ -184,6 +197,21 @@ def test_a_file_that_cannot_be_written_is_one_sentence_and_keeps_the_old_one(fol
         bpy.ops.paradesc.bake_image()
     assert (folder / "ball_curvature.png").read_bytes() == b"old"
     assert pngs_in(folder) == ["ball_curvature.png"]
+
+
+@pytest.mark.parametrize("uv_map", [True, False])
+@pytest.mark.parametrize("size", [(0, 0, 0), (1, 0, 0)])
+def test_a_mesh_without_area_is_one_sentence_and_keeps_its_uv_maps(folder, size, uv_map):
+    mesh = bpy.data.objects["ball"].data
+    for vertex in mesh.vertices:
+        vertex.co = [place * side for place, side in zip(vertex.co, size, strict=True)]
+    if not uv_map:
+        mesh.uv_layers.remove(mesh.uv_layers[0])
+    names = mesh.uv_layers.keys()
+    with pytest.raises(RuntimeError, match=r"^Error: The mesh has no area; there is no surface to measure\.$"):
+        bpy.ops.paradesc.bake_image()
+    assert mesh.uv_layers.keys() == names
+    assert pngs_in(folder) == []
 
 
 def test_it_works_in_edit_mode(folder):

@@ -221,6 +221,12 @@ def test_without_a_folder_packed_images_go_beside_the_blend_never_where_blender_
     assert pngs_in(tmp_path / "elsewhere") == []
 
 
+def test_there_is_nothing_to_save_of_images_that_are_files(folder):  # noqa: F811
+    baked()
+    with pytest.raises(RuntimeError, match="its images are files"):
+        bpy.ops.paradesc.save_images(directory=str(folder))
+
+
 def test_packed_tiles_are_saved_one_by_one(settings, tmp_path):  # noqa: F811
     in_tiles(ball())
     baked()

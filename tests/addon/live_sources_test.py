@@ -132,6 +132,27 @@ def test_a_session_in_another_process_has_the_radius_of_the_window_whatever_its_
     assert sessions.session_at(loaded).results.radius > 1.02 * radius
 
 
+def test_a_session_in_another_process_has_the_radius_of_the_newest_modifiers(cage):
+    switch(cage)
+    before = sessions.session_at(cage).results.radius
+    cage.modifiers.new("row", "ARRAY").count = 4
+    sessions.refresh_window([cage])
+    radius = sessions.session_at(cage).results.radius
+    assert radius > 1.5 * before
+    sessions.forget_all()
+    sessions.refresh_window([cage])
+    assert sessions.session_at(cage).results.radius == radius
+
+
+def test_the_record_of_live_values_tells_another_radius(cage):
+    bpy.context.scene.paradesc_animation.source = "original"
+    for percent in (8.0, 16.0):
+        bpy.context.scene.paradesc.radius_fit, bpy.context.scene.paradesc.radius_percent = "typed", percent
+        switch(cage)
+        sessions.refresh_window([cage])
+        assert record.read(cage.data)["drawn"][MASK]["radius"] == sessions.session_at(cage).results.radius
+
+
 def carried_values(target, name=MASK):
     """The values on the mesh that the modifiers make, of which the last one stores them."""
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())

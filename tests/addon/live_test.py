@@ -371,6 +371,13 @@ def test_values_of_several_radii_are_called_as_asked(stretching):
     assert len(asked) == 2
 
 
+def test_without_descriptors_live_says_so_as_a_bake_does(stretching):
+    switch(stretching)
+    bpy.context.scene.paradesc.descriptors = set()
+    bpy.context.scene.frame_set(2)
+    assert stretching.paradesc_live.sentence == "No descriptor is chosen; choose at least one."
+
+
 def test_the_world_is_refused_in_one_sentence(stretching):
     bpy.context.scene.paradesc.space = "world"
     assert "object space" in switch(stretching)

@@ -195,6 +195,23 @@ def test_operators_are_grey_without_a_bake():
             getattr(bpy.ops.paradesc, name)()
 
 
+@pytest.mark.parametrize("name", ["bake", "bake_image", "add_wear", "recolor", "make_material"])
+def test_an_object_that_was_hidden_in_sculpt_mode_has_to_be_shown(name, baked):
+    bpy.ops.object.mode_set(mode="SCULPT")
+    baked.hide_viewport = True
+    with pytest.raises(RuntimeError, match="Show the hidden object first"):
+        getattr(bpy.ops.paradesc, name)()
+    baked.hide_viewport = False
+    assert getattr(bpy.ops.paradesc, name)() == {"FINISHED"}
+    assert baked.mode == "SCULPT"
+
+
+def test_a_copy_with_values_says_which_mode_to_leave(baked):
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    with pytest.raises(RuntimeError, match="Leave weight paint mode first"):
+        bpy.ops.paradesc.make_result_object()
+
+
 def test_packed_channels_are_the_values_over_their_ranges(baked):
     group().pack_red, group().pack_green, group().pack_blue = "mean_curvature", "curvedness", "coverage"
     bpy.ops.paradesc.pack()

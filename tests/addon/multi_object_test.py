@@ -10,7 +10,7 @@ from paradesc.core import job, spaces  # noqa: E402
 from paradesc_blender.bake import batch, operators, pieces  # noqa: E402
 from paradesc_blender.scene import mesh_io, record, targets  # noqa: E402
 from paradesc_blender.ui import panel  # noqa: E402
-from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint, select, small_bake  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -148,6 +148,25 @@ def test_an_object_that_is_gone_meanwhile_is_named(spheres):
     made.finish(bpy.context)
     assert pieces.failures(made) == ['The object "second" is gone; nothing was written.']
     assert "mean_curvature" in spheres[0].data.attributes
+
+
+def test_an_object_is_baked_whose_mesh_is_edited_through_another_one(spheres):
+    edited = spheres[0]
+    twin = edited.copy()
+    bpy.context.collection.objects.link(twin)
+    select(edited)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited.select_set(False)
+    twin.select_set(True)
+    bpy.context.view_layer.objects.active = twin
+    assert not bpy.ops.paradesc.bake_frames.poll()
+    twin.paradesc_live.mode = "LIVE"  # waits
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert (edited.mode, twin.mode, bpy.context.object) == ("EDIT", "OBJECT", twin)
+    assert (twin.paradesc_live.mode, twin.paradesc_live.sentence) == ("LIVE", "")
+    select(edited)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.isfinite(attribute_values(edited.data, "mean_curvature")).all()
 
 
 def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):

@@ -91,20 +91,44 @@ def test_what_is_made_in_place_of_deleted_results_stays_when_the_faces_have_chan
     assert "cavity_3" not in target.data.attributes
 
 
-@pytest.mark.parametrize("name", ["", "cavity", "cavity_color"])
+@pytest.mark.parametrize("name", ["", "cavity", "cavity_color", "coverage"])
 def test_what_a_joined_mesh_brings_stays(name, target):
     bake(target)
     other = add_sphere("other", steps=4)
     values = own_cavity(other.data, name) if name else []
+    moved = {f"{name.removesuffix('_color')}_2"} if name else set()
     select(other, target)
     bpy.ops.object.join()
-    bake(target)
-    assert ("cavity_2" in target.data.attributes) == bool(name)
-    subdivide()
-    bake(target)  # the faces have changed again, and all vertices were covered before
-    assert ("cavity_2" in target.data.attributes) == bool(name)
-    assert "cavity_3" not in target.data.attributes
+    for change in (lambda: None, subdivide):  # after the first bake all vertices are covered
+        change()
+        bake(target)
+        names = target.data.attributes.keys()
+        assert {one for one in names if one.endswith(("_2", "_3"))} == moved
     assert not name or np.isin(values, arrays.attribute_values(target.data.attributes[name])).all()
+
+
+@pytest.mark.parametrize("name", [NAME, "coverage"])
+def test_live_values_leave_what_a_joined_mesh_brings(name, target):
+    switch(target)
+    other = add_sphere("other", steps=4)
+    values = own_cavity(other.data, name)
+    select(other, target)
+    bpy.ops.object.join()
+    bpy.context.scene.frame_set(2)
+    assert target.paradesc_live.mode == "LIVE"
+    assert np.isin(values, arrays.attribute_values(target.data.attributes[name])).all()
+    assert f"{name}_2" in target.data.attributes
+
+
+@pytest.mark.parametrize("invert", [False, True])
+def test_ours_stays_ours_where_zero_is_white(invert, target):
+    bpy.context.scene.paradesc_looks.invert = invert
+    bpy.context.scene.paradesc.descriptors = {"cavity", "mean_curvature"}
+    for _ in range(2):
+        bpy.ops.paradesc.bake()
+        names = target.data.attributes.keys()
+        subdivide()
+    assert target.data.attributes.keys() == names
 
 
 def test_ours_stays_ours_beside_new_parts_that_have_no_values(target):

@@ -139,6 +139,13 @@ def test_frames_of_another_mesh_are_one_sentence(swelling):
     assert NAME not in swelling.data.attributes
 
 
+def test_a_mesh_that_becomes_another_while_its_frames_are_played_is_the_same_sentence(swelling):
+    play(swelling)
+    subdivide()
+    bpy.context.scene.frame_set(1)  # whose file is known
+    assert "bake them again, or play them on their own object" in swelling.paradesc_live.sentence
+
+
 def test_an_empty_cache_is_one_sentence(swelling, tmp_path):
     bpy.context.scene.paradesc_animation.cache_folder = str(tmp_path / "elsewhere")
     assert "Bake frames first" in play(swelling)

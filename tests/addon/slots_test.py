@@ -27,6 +27,12 @@ def test_removing_our_material_keeps_what_objects_have_in_slots_behind_it(target
     assert slots == [("DATA", "skin"), ("OBJECT", "skin"), ("OBJECT", "skin")]
 
 
+def test_removing_our_material_leaves_no_slot_where_there_was_none(target):
+    click("make_material")(target)
+    bpy.ops.paradesc.remove_material()
+    assert len(target.material_slots) == len(target.data.materials) == 0
+
+
 def other_way(target):
     click("make_material", kind="flat")(target)
 

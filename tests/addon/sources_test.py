@@ -311,6 +311,12 @@ def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have()
             assert "the backend cpu" not in text, f"{path}: {text}"
 
 
+def test_modifiers_that_leave_no_faces_are_named():
+    target = with_modifiers(("BUILD", {"frame_start": 9}))
+    with pytest.raises(bridge.ParadescError, match=r'modifiers of "sphere" leave no faces; .* have to realize them'):
+        source_meshes.read(target, "evaluated")
+
+
 @pytest.mark.parametrize("source", ["evaluated", "original"])
 def test_geometry_nodes_make_a_mesh_of_nothing(source):
     with_modifiers()

@@ -315,7 +315,7 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
         found = {str(name): (float(low), float(high)) for name, (low, high) in content.items()}
         need(all(np.isfinite(pair).all() and pair[0] < pair[1] for pair in found.values()), "a range is empty")
     except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
-        raise refused(f'The file "{path}" is damaged ({reason(error)}); give the range again.') from error
+        raise refused(f'The file "{path}" is damaged ({reason(error)}); remove it, or give the range again.') from error
     return found
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bridge import MeshArrays, ProgressFunction
+from ..bridge import InputError, MeshArrays, ProgressFunction
 from ..core import job, texel_centers, texel_tiles, transfer, udim
-from ..core.advice import LARGEST_IN_IMAGES
+from ..core.advice import LARGEST_IN_IMAGES, double_areas
 from ..core.color_maps import Look, most_telling
 from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
@@ -173,6 +173,8 @@ def computed(
 ) -> Computed:
     """Computes the results from which the textures of a mesh are drawn."""
     arrays, size = arrays_of(mesh), choice.size
+    if not double_areas(arrays.positions[arrays.triangle_vertices]).any():
+        raise InputError("The mesh has no area; there is no surface to measure.")
     tiling = udim.of_mesh(arrays)
     if isinstance(mesh, Onto):
         fit = partial(job.fitted, arrays=mesh.highs[0].measured, largest=LARGEST_IN_IMAGES)

@@ -13,7 +13,7 @@ import numpy as np
 from paradesc.bridge import InputError, Options, ParadescError, ProgressFunction
 from paradesc.core import advice, color_maps, fitting
 from paradesc.core.color_maps import Look, ValueRange
-from paradesc.core.job import Results, Settings, registry_row
+from paradesc.core.job import Results, Settings, check_descriptors, registry_row
 from paradesc.core.latest import Latest, Outcome, is_cancelled
 from paradesc.core.stream import Stream, is_too_small
 from paradesc.files.frame_baking import with_fixed_radii
@@ -356,6 +356,7 @@ class Session:
 def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     """The scene's settings; in the viewport live mode changes them for speed."""
     settings = properties.job_settings(scene.paradesc)
+    check_descriptors(settings.descriptors)
     group = scene.paradesc_live
     if settings.space != "object":
         raise InputError("Live values are measured in object space; choose that, and apply the scale where it matters.")

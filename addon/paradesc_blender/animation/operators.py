@@ -27,10 +27,10 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         """Refuses modes in which the mesh is not that of the object."""
         objects = targets.chosen(context)
-        modes = {item.mode for item in objects} - MODES
+        modes = {"EDIT" if item.data.is_editmode else item.mode for item in objects} - MODES
         if bridge.missing_sentence() or not objects:
             return bridge.missing_sentence() or "Select a mesh object first"
-        return f"Leave {min(modes).replace('_', ' ').lower()} mode first" if modes else ""
+        return targets.leave(min(modes)) if modes else ""
 
     def begin(self, context: bpy.types.Context, beside: bool) -> FrameBatch:
         """Makes the batch for the scene's wanted frames and cache folder."""

@@ -39,6 +39,7 @@ class Painter:
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
     at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
+    basis: tuple[object, ...] = ()  # the count of vertices, the ranges and the settings that the record tells
     carried: bool = False  # the values of other vertices are shown, and those of the mesh lie below them
 
     def paint(self, target: bpy.types.Object, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
@@ -48,10 +49,12 @@ class Painter:
         """
         mesh, has_places = target.data, self.at.keys() == {*values.shown, *values.extras}
         complete = has_places and has_all(mesh, values.names(self.at))
+        basis = (len(mesh.vertices), ranges, values.facts.get("settings"))
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         with nullcontext() if complete or target.mode != "SCULPT" else modes.object_mode(target):
-            if not complete or ranges != self.ranges:
+            if not complete or basis != self.basis:
+                self.basis = basis
                 others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
                 mesh_io.make_attributes(mesh, values.names(self.at))
                 self.tables = {name: color_table(shown) for name, shown in ranges.items()}

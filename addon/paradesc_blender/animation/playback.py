@@ -91,9 +91,8 @@ class Player:
     def read(self, path: Path, target: bpy.types.Object) -> bool:
         """Reads the file; False if it is the one that was read last."""
         stamp = (path, path.stat().st_mtime_ns)
-        if stamp == self.shown and self.frame is not None:
-            return False
-        frame = cache.read_frame(path)
+        fresh = stamp != self.shown or self.frame is None
+        frame = cache.read_frame(path) if fresh else self.frame
         count = len(target.data.vertices)
         if frame.vertex_count != count:
             raise InputError(
@@ -102,7 +101,7 @@ class Player:
             )
         mesh_io.check_writable(target)
         self.frame, self.shown = frame, stamp
-        return True
+        return fresh
 
     def compute(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
         """Computes the values of a missing frame by a live session."""

@@ -36,7 +36,7 @@ class Surface:
         wanted = (settings.options.normals == "mesh", needs_uvs(settings))
         if not self.generated:
             return Read(mesh_io.read_object(target, *wanted))
-        made = mesh_io.read_mesh(self.mesh, *wanted, target.data.name)
+        made = source_meshes.read_made(target, self.mesh, *wanted)
         return Read(made, earlier=carrying.carried_values(target, self.mesh))
 
     def normals(self, settings: Settings) -> np.ndarray | None:
@@ -148,7 +148,7 @@ def waiting_sentence(target: bpy.types.Object) -> str:
 
     In edit mode and with dynamic topology Blender works on a copy of the mesh; vertex paint keeps tables of its own.
     """
-    if target.mode in ("EDIT", "VERTEX_PAINT"):
+    if target.data.is_editmode or target.mode == "VERTEX_PAINT":
         return "Values follow when this mode is left."
     if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
         return "Values follow when dynamic topology is switched off."

@@ -107,10 +107,11 @@ class ImageBatch(Pieces):
     def measuring(self, piece: TextureBake) -> Callable[..., object]:
         """Reads a mesh; returns the work that measures it."""
         target = find(piece.key)
-        if self.folder is not None:
+        fault = image_nodes.fault(target) if self.to_material else ""
+        if not fault and self.folder is not None:
             fault = file_fault(self.folder / f"{piece.stem}.png")
-            if fault:
-                raise InputError(fault)
+        if fault:
+            raise InputError(fault)
         own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
         read, piece.over = uv_maps.read_over(target, self.settings, own)
         mesh, piece.told = read.measured, [piece.over.note] if piece.over.note else []

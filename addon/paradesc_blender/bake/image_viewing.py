@@ -126,6 +126,9 @@ class PARADESC_OT_save_images(OfImage, bpy.types.Operator):
             for image in made.images
             for name, content in image_results.packed_files(image).items()
         }
+        if not contents:
+            self.report({"ERROR"}, said("No image of this mesh is packed into the .blend; its images are files"))
+            return {"CANCELLED"}
         taken = next((path for path in contents if path.exists()), None)
         try:
             if taken is not None:

@@ -93,7 +93,11 @@ class ModalJob:
             self.report({"INFO"}, translation.said(self.as_before))
             ended = {"CANCELLED"}
         else:
-            ended = self.finish(context)
+            try:
+                ended = self.finish(context)
+            except ParadescError as error:
+                self.report({"ERROR"}, translation.said(error.sentence))
+                ended = {"CANCELLED"}
         if ended == {"FINISHED"}:
             self.job.close()
         else:

@@ -42,16 +42,23 @@ class Texture:
         return ", ".join(legend.label(name) for name in self.holds)
 
 
+def fault(target: bpy.types.Object) -> str:
+    """One sentence about why the object's active material cannot get textures, or ""."""
+    if target.active_material is not None:
+        return node_groups.linked(target.active_material)
+    if target.data.library is not None or target.data.override_library is not None:
+        return f'The mesh "{target.data.name}" is linked and has no material; make it local first.'
+    return ""
+
+
 def add_to_material(target: bpy.types.Object, textures: list[Texture], active: int = 0) -> bpy.types.Material:
     """Adds textures to the object's active material. An object without a material gets one that shows the texture."""
+    if fault(target):
+        raise InputError(fault(target))
     material = target.active_material
     if material is None:
-        if target.data.library is not None or target.data.override_library is not None:
-            raise InputError(f'The mesh "{target.data.name}" is linked and has no material; make it local first.')
         material = target.active_material = bpy.data.materials.new(target.name)
         material[MARK] = target.name
-    if material.library is not None or material.override_library is not None:
-        raise InputError(f'The material "{material.name}" is linked from another file; make it local first.')
     if material.node_tree is None:  # never since Blender 5
         material.use_nodes = True
     tree = material.node_tree

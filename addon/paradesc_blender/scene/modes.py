@@ -10,11 +10,15 @@ import bpy
 def object_mode(target: bpy.types.Object | None = None) -> Iterator[None]:
     """Puts an object, or the active one, and all that share its mode into object mode.
 
-    Afterwards the mode, the objects in it, the selection and the active object are as before.
+    If the object is in object mode but its mesh is edited through another one, that one counts. Afterwards the mode,
+    the objects in it, the selection and the active object are as before.
     """
     objects = bpy.context.view_layer.objects
     active = objects.active
     leader = target or active
+    if leader is not None:
+        sharing = (item for item in (leader, *objects) if item.data == leader.data and item.mode != "OBJECT")
+        leader = next(sharing, leader)
     mode = "OBJECT" if leader is None else leader.mode
     if mode == "OBJECT":
         yield

@@ -14,6 +14,13 @@ def new_group(kind: str, name: str) -> bpy.types.NodeTree:
     return group
 
 
+def linked(material: bpy.types.Material) -> str:
+    """One sentence about why the nodes of a material cannot be changed in this file, or ""."""
+    if material.library is None and material.override_library is None:
+        return ""
+    return f'The material "{material.name}" is linked from another file; make it local first.'
+
+
 def nodes_of_ours(tree: bpy.types.NodeTree | None) -> list[bpy.types.Node]:
     """The nodes in a tree that use one of our groups."""
     nodes = [] if tree is None else tree.nodes

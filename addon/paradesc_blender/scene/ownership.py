@@ -87,7 +87,7 @@ def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: st
     if arrays.kind_of(attribute) != kind:
         return False
     values = arrays.attribute_values(attribute)
-    return is_untouched(mesh, name, values, faces) if has_faces(mesh, name, faces) else is_filled(mesh, values)
+    return is_untouched(mesh, name, values, faces) if has_faces(mesh, name, faces) else is_filled(mesh, name, values)
 
 
 def has_faces(mesh: bpy.types.Mesh, name: str, faces: str) -> bool:
@@ -95,17 +95,41 @@ def has_faces(mesh: bpy.types.Mesh, name: str, faces: str) -> bool:
     return fingerprints(mesh).get(name, "")[:LETTERS] == faces
 
 
-def is_filled(mesh: bpy.types.Mesh, values: np.ndarray) -> bool:
+def is_filled(mesh: bpy.types.Mesh, name: str, values: np.ndarray) -> bool:
     """Returns whether (n,) or (n, width) values at new vertices are those with which Blender fills an attribute.
 
-    A bake leaves no coverage of 0, and Blender's tools copy or interpolate all attributes together. Vertices without
-    coverage therefore come from another mesh. If that mesh has no such attribute, they have the value 0, or one color.
+    If the mesh from which they come has no such attribute, they have the value 0, or one color.
     """
-    coverage = mesh.attributes.get(record.attribute_of(mesh, "coverage"))
-    if coverage is None or arrays.kind_of(coverage) != ("FLOAT", "POINT"):
-        return True
-    rows = values[arrays.attribute_values(coverage) == 0]
+    rows = values[come_from_elsewhere(mesh, name)]
     return not rows.any() if rows.ndim == 1 else np.allclose(rows, rows[:1], atol=1e-5)  # tools round one color, too
+
+
+def come_from_elsewhere(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+    """(vertex_count,) bool: the vertices of another mesh, which lack another attribute of ours than this one.
+
+    Blender's tools copy or interpolate all attributes together.
+    """
+    found = np.zeros(len(mesh.vertices), bool)
+    for one in record.attributes_of(mesh):
+        if name not in (one, f"{one}_color") and arrays.kind_of(mesh.attributes[one]) == ("FLOAT", "POINT"):
+            found |= lack(mesh, one)
+    return found
+
+
+def lack(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+    """(vertex_count,) bool: the vertices at which one of our attributes has what Blender fills in, and no bake leaves.
+
+    That is a coverage of 0, or a value of 0 with white, unless the colors were made such that 0 may be white.
+    """
+    empty = arrays.attribute_values(mesh.attributes[name]) == 0
+    if name == record.attribute_of(mesh, "coverage"):
+        return empty
+    known, color = record.read(mesh), mesh.attributes.get(f"{name}_color")
+    low, high = known.get("ranges", {}).get(name, (0, 0))
+    levels = map(known.get("drawn", {}).get(name, {}).get, ("contrast", "brightness", "invert"))
+    if color is None or arrays.kind_of(color) != ("FLOAT_COLOR", "POINT") or any(levels) or not low <= 0 < high:
+        return np.zeros(len(empty), bool)
+    return empty & (arrays.attribute_values(color) == 1).all(axis=1)
 
 
 # ---- Names

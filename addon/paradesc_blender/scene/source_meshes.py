@@ -63,7 +63,7 @@ def read(
     with marked(target.data, marks), evaluated_mesh(target) as mesh:
         if same_vertices(mesh, target.data):
             return Read(moved(mesh, original()), source)
-        arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
+        arrays = read_made(target, mesh, corner_normals, needs_uvs)
         vertices = None if marks is None else carried(mesh, marks)
         earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
     if former is not None and former.source == source:
@@ -77,6 +77,15 @@ def read(
     is_lost = not len(vertices) or bool((vertices < 0).any())
     notes = [f"Measured with its modifiers: {len(arrays.positions):,} vertices."]
     return Read(arrays, source, None if is_lost else vertices, not is_lost, earlier, notes=notes)
+
+
+def read_made(target: bpy.types.Object, mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool) -> MeshArrays:
+    """Reads a mesh that the object's modifiers have made."""
+    if not mesh.polygons:
+        raise InputError(
+            f'The modifiers of "{target.name}" leave no faces; nodes that make instances have to realize them.'
+        )
+    return mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:

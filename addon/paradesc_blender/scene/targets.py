@@ -77,6 +77,18 @@ def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
     return list(groups.values())
 
 
+def leave(mode: str) -> str:
+    """The sentence about a mode that stands in the way."""
+    return f"Leave {mode.replace('_', ' ').lower()} mode first"
+
+
+def hidden(context: bpy.types.Context) -> str:
+    """One sentence about an active object that cannot leave its mode because it is hidden, or ""."""
+    active = context.active_object
+    stuck = active is not None and active.mode != "OBJECT" and not bpy.ops.object.mode_set.poll()
+    return "Show the hidden object first" if stuck else ""
+
+
 def reading_obstacle(context: bpy.types.Context) -> str:
     """One sentence about why no mesh can be read now, or ""."""
     missing = bridge.missing_sentence()
@@ -84,7 +96,9 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return missing
     active = context.active_object
     if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
-        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
+        return leave(active.mode)
+    if hidden(context):
+        return hidden(context)
     targets = chosen(context)
     if not targets:
         return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
@@ -128,9 +142,8 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
 
 def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
     """The source of the surface in the viewport: the base mesh unless modifiers or shape keys change it there."""
-    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
     changes = bool(source_meshes.shown_modifiers(target)) or (shape_key == "basis" and shows_shape_key(target))
-    return source_kinds.EVALUATED if changes and evaluated else source_kinds.ORIGINAL
+    return source_kinds.EVALUATED if changes else source_kinds.ORIGINAL
 
 
 def shows_shape_key(target: bpy.types.Object) -> bool:

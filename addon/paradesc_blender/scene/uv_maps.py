@@ -94,12 +94,7 @@ def own(mesh: bpy.types.Mesh) -> str:
 def may_make(target: bpy.types.Object) -> bool:
     """Returns whether the mesh may get a map. With several maps, the user has to choose among them."""
     others = [layer for layer in target.data.uv_layers if not layer.name.startswith(NAME)]
-    return (
-        len(others) < 2
-        and target.library is None
-        and target.data.library is None
-        and (target.data.override_library is None)
-    )
+    return len(others) < 2 and not mesh_io.unwritable(target)
 
 
 def make(target: bpy.types.Object) -> str:

@@ -270,7 +270,9 @@ class PARADESC_OT_make_result_object(recolor.NeedsBake, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Works only in object mode, where the selection can change."""
-        return context.mode == "OBJECT" and super().poll(context)
+        active = context.active_object
+        mode = "OBJECT" if active is None else active.mode
+        return translation.can_run(cls, "" if mode == "OBJECT" else targets.leave(mode)) and super().poll(context)
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes one copy and hides its original in the viewport and in renders."""

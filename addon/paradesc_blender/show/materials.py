@@ -5,7 +5,7 @@ import bpy
 from paradesc.bridge import InputError
 
 from ..scene import mesh_io, record
-from ..scene.node_groups import MARK, add_node
+from ..scene.node_groups import MARK, add_node, linked
 from ..settings.translation import said
 from . import recolor, tuned
 from .assets import append, found_group
@@ -147,8 +147,8 @@ class PARADESC_OT_plug_cavity(recolor.NeedsBake, bpy.types.Operator):
         material = target.active_material
         if material is None:
             raise InputError(f'The object "{target.name}" has no active material; make the Paradesc material.')
-        if material.library is not None or material.override_library is not None:
-            raise InputError(f'The material "{material.name}" is linked from another file; make it local first.')
+        if linked(material):
+            raise InputError(linked(material))
         shader = base_shader(material)
         if shader is None:
             raise InputError("The active material has no Principled BSDF in use; make the Paradesc material instead.")
@@ -173,7 +173,7 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
             self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:
             material = slot.material
-            if material is not None and DESCRIPTOR not in material and material.library is None:
+            if material is not None and DESCRIPTOR not in material and not linked(material):
                 for node in own_nodes(material.node_tree, CAVITY_GROUP):
                     if passes(node, PASSED):
                         take_out(node, PASSED)

@@ -1,6 +1,6 @@
 """Inserts a node between the inputs of a material's shader and their sources, and removes it again."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import bpy
 
@@ -64,10 +64,14 @@ def take_out(node: bpy.types.Node, passed: Passed) -> None:
 
 
 def bring(source: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
-    """Gives a socket the value, the link and the animation of another. Blender 3.4 does not count muted links."""
+    """Gives a socket the value, the link and the animation of another, and the drivers that read it.
+
+    Blender 3.4 does not count muted links.
+    """
     links = source.id_data.links
     socket.default_value = source.default_value
     animate(source.id_data.animation_data, *(one.path_from_id("default_value") for one in (source, socket)))
+    redirect(source, socket)
     for link in list(socket.links):
         links.remove(link)
     for link in source.links:
@@ -85,6 +89,35 @@ def animate(animation: bpy.types.AnimData | None, source: str, path: str) -> Non
     for curve in (*animation.drivers, *curves_of(animation)):
         if curve.data_path == source:
             curve.data_path = path
+
+
+def redirect(source: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
+    """Makes drivers, wherever they are in the file, read one socket's value in place of another's."""
+    tree = source.id_data
+    owners = {tree: "", **{item: "node_tree." for item in bpy.data.materials if item.node_tree == tree}}
+    users = bpy.data.user_map(subset=set(owners))
+    for owner, start in owners.items():
+        for target in read_by_drivers(users.get(owner, ())):
+            path, value, rest = target.data_path.rpartition(".default_value")
+            if target.id == owner and value and resolved(owner, path) == source:
+                target.data_path = start + socket.path_from_id("default_value") + rest
+
+
+def read_by_drivers(blocks: Iterable[bpy.types.ID]) -> Iterator[bpy.types.DriverTarget]:
+    """The targets that the drivers of datablocks and of their own node trees read."""
+    for block in blocks:
+        for one in (block, getattr(block, "node_tree", None)):
+            animation = getattr(one, "animation_data", None)
+            for curve in animation.drivers if animation is not None else ():
+                yield from (target for variable in curve.driver.variables for target in variable.targets)
+
+
+def resolved(block: bpy.types.ID, path: str) -> object:
+    """The member of a datablock at a path; None if there is none."""
+    try:
+        return block.path_resolve(path)
+    except ValueError:
+        return None
 
 
 def is_shared(action: bpy.types.Action) -> bool:

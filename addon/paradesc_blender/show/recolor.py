@@ -126,7 +126,7 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Select a mesh object first"
     if not baked_names(target.data):
         return "Bake descriptors on this mesh first"
-    return ""
+    return targets.hidden(context)
 
 
 def baked_targets(context: bpy.types.Context) -> Iterator[bpy.types.Object]:

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene import arrays
+from ..scene import arrays, carrying
 from . import tuned
 
 # The face attribute with the former slot of each face.
@@ -92,10 +92,13 @@ def take_back(mesh: bpy.types.Mesh) -> list[str]:
 
 def remove_slot(mesh: bpy.types.Mesh, slot: int) -> None:
     """Removes a slot. Objects keep their own materials in the slots after it."""
-    sharing = [item for item in bpy.data.objects if item.data == mesh and item.library is None]
+    sharing = carrying.sharing(mesh)
     kept = [[(one.link, one.material) for one in item.material_slots] for item in sharing]
     actives = [item.active_material_index for item in sharing]
-    mesh.materials.pop(index=slot)  # if it was the last, objects keep an empty slot
+    if len(mesh.materials) == 1 and not any(link == "OBJECT" for rows in kept for link, _ in rows):
+        mesh.materials.clear()  # the last one that is popped leaves objects an empty slot
+        return
+    mesh.materials.pop(index=slot)
     for item, rows, active in zip(sharing, kept, actives, strict=True):
         for one, (link, material) in zip(item.material_slots, rows[:slot] + rows[slot + 1 :], strict=False):
             one.link = link

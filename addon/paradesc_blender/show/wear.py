@@ -13,7 +13,7 @@ from paradesc.bridge import InputError
 
 from ..scene import large_faces, record
 from ..scene.image_nodes import OF_VERTICES, OWN, is_as_left
-from ..scene.node_groups import MARK, add_node
+from ..scene.node_groups import MARK, add_node, linked
 from . import slots, tuned
 from .assets import append, shared_group
 from .passing import base_shader, own_nodes, passes, put, take_out, upstream
@@ -90,8 +90,8 @@ def fault(target: bpy.types.Object) -> str:
     material = target.active_material
     if material is None:
         return ""
-    if material.library is not None or material.override_library is not None:
-        return f'The material "{material.name}" is linked from another file; make it local first.'
+    if linked(material):
+        return linked(material)
     if slots.DESCRIPTOR in material:
         return f'The material "{material.name}" shows values; choose one of your own.'
     if material.node_tree is not None and base_shader(material) is None:
@@ -258,7 +258,7 @@ def remove(target: bpy.types.Object) -> list[str]:
         material = slot.material
         if not has_wear(material):
             continue
-        if material.library is not None or material.override_library is not None:
+        if linked(material):
             notes.append(f'The material "{material.name}" is linked from another file, so it is kept.')
         elif is_look(material):
             notes += take_away(target, index)
