@@ -1,6 +1,8 @@
 """The Python package in callbacks, under Ctrl-C, on several threads and in forked processes."""
 
+import copy
 import multiprocessing
+import pickle
 import subprocess
 import sys
 import threading
@@ -77,6 +79,20 @@ def test_a_forked_process_computes_the_same(sphere):
     assert ours.poll(60)
     assert ours.recv() == expected
     process.join()
+
+
+@pytest.mark.parametrize("error", [ParadescError(6, "Cancelled."), paradesc.InputError("There is no face.")])
+def test_an_error_goes_to_another_process(error):
+    found = pickle.loads(pickle.dumps(error))  # without it, a pool of processes breaks with all of its work
+    assert type(found) is type(error)
+    assert (found.status, found.sentence, str(found)) == (error.status, error.sentence, error.sentence)
+    assert found.args == error.args
+
+
+@pytest.mark.parametrize("call", [pickle.dumps, copy.copy, copy.deepcopy])
+def test_a_mesh_says_that_it_stays_in_its_process(sphere, call):
+    with paradesc.Mesh(*sphere[:2]) as mesh, pytest.raises(TypeError, match=r"make one there of the same arrays\."):
+        call(mesh)
 
 
 def forked_with_a_device(channel, mesh, points, quads):
