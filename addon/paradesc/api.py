@@ -386,7 +386,7 @@ class Mesh:
             self._stream = None
 
     def __reduce__(self) -> str:
-        raise TypeError("A paradesc.Mesh cannot be copied, nor go to another process; make one there of the same arrays.")
+        raise TypeError("A paradesc.Mesh cannot be copied or go to another process; make one there of the same arrays.")
 
     def __enter__(self) -> "Mesh":
         return self

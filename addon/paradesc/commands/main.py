@@ -4,11 +4,13 @@ import argparse
 import contextlib
 import io
 import sys
+from itertools import chain
+from pathlib import Path
 
 from .. import __version__
 from ..bridge import ParadescError
 from ..core import contexts
-from ..files import results
+from ..files import mesh_files, results
 from . import COMMANDS, common, modules
 from .common import UsageError
 from .signals import Signals, Terminated
@@ -93,15 +95,22 @@ def prints_json(arguments: argparse.Namespace) -> bool:
 
 
 def check_report(arguments: argparse.Namespace) -> None:
-    """Refuses a report that would not be alone on the standard output, or overwrite the input or the open .blend."""
+    """Refuses a report that would not be alone on the standard output, or that would take the place of another file.
+
+    A failure has a report too, so this comes before any other check, whose failure would write it.
+    """
     path = arguments.json
     if prints_json(arguments):
         if arguments.progress == "openjd":
             raise UsageError("--json - and --progress openjd both write to the standard output; name a file.")
     elif path is not None:
-        inputs = filter(None, (arguments.input, common.open_file()))
-        if path.resolve() in [given.resolve() for given in inputs]:
-            raise UsageError(f'"{path}" is the input; choose another file for the report.')
+        options = [value for option, value in vars(arguments).items() if option != "json"]
+        files = chain.from_iterable(value if isinstance(value, list) else [value] for value in options)
+        taken = [*files, common.open_file(), Path(arguments.preset or ".")]
+        if path.resolve() in [given.resolve() for given in taken if isinstance(given, Path)]:
+            raise UsageError(f'"{path}" is the input or an output; choose another file for the report.')
+        if path.suffix.lower() in mesh_files.SUFFIXES and path.is_file():  # perhaps one of a folder that is the input
+            raise UsageError(f'"{path}" is a mesh; choose another file for the report.')
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:
