@@ -292,6 +292,14 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
         assert not hasattr(bpy.types.Scene, name)
 
 
+def test_a_mesh_that_is_a_single_point_is_described(run, tmp_path):
+    path = tmp_path / "point.obj"
+    path.write_text(3 * "v 0 0 0\n" + "f 1 2 3\n")
+    ended = run("info", path, "--reader", "files")
+    assert ended.code == 0, ended.error
+    assert "diagonal 0, mean edge 0\n" in ended.output
+
+
 @pytest.mark.parametrize("command", ["bake", "animate", "compare", "info"])
 def test_report_never_takes_the_place_of_the_input(run, sphere_obj, command):
     before = sphere_obj.read_bytes()
