@@ -110,6 +110,15 @@ def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
         assert ("of the mean edge" in ended.output) == said
 
 
+@pytest.mark.parametrize("words", [("compare", "ball1.obj"), ("animate", "ball#.obj", "--cache", "cache")])
+def test_every_command_says_a_radius_below_the_mean_edge(run, report, sphere_obj, words):
+    sphere_obj.rename(sphere_obj.with_name("ball1.obj"))
+    ended = run(*words, *QUICK[2:], "--radius", "0.9", "--radius-unit", "mean-edge", "--json", "report.json")
+    assert ended.code == 0, ended.error
+    assert sum("0.9 of the mean edge" in line for line in report()["warnings"]) == 1
+    assert ended.output.count("0.9 of the mean edge") == 1
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -149,7 +149,8 @@ class Baker(Closing):
         total = sum(part["seconds_total"] for part in report)
         write = {"write": time.perf_counter() - computed}
         seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
-        return Done(task.frame, seconds, f"{results.backend}: {results.device}", results.warnings)
+        limits = [*results.warnings, *results.facet_notes()]
+        return Done(task.frame, seconds, f"{results.backend}: {results.device}", limits)
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
         """The results of the base mesh, computed on first use."""
