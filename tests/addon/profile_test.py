@@ -115,6 +115,14 @@ def test_auto_computes_by_the_profile_that_expects_the_smaller_error(rough, prof
         assert np.array_equal(mesh.compute("curvedness", radius="auto")["curvedness"], found["curvedness"])
 
 
+def test_progress_to_an_auto_radius_never_falls(rough):
+    told = []
+    paradesc.compute(*rough[:2], radius="auto", progress=lambda _, fraction: told.append(fraction))
+    assert told[0] == 0
+    assert told[-1] == 1
+    assert told == sorted(told)
+
+
 def test_auto_stays_with_the_estimator_that_is_asked_for(rough):
     points, quads, _ = rough
     found = paradesc.compute(points, quads, radius="auto", estimator="integral")
