@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import io
+import os
 import sys
 from itertools import chain
 from pathlib import Path
@@ -67,13 +68,18 @@ def main(words: list[str]) -> int:
         sentence, code = f"Unexpected {type(error).__name__}: {error} (--verbose says where).", common.EXIT_FAILED
     finally:
         contexts.close_idle()
-    with contextlib.suppress(ParadescError):  # an error while the report is written is not reported as well
+    with contextlib.suppress(ParadescError, OSError):  # an error while the report is written is not reported as well
         write_report(arguments, {}, code, " ".join(sentence.split()))
     return say(sentence, code, arguments)
 
 
 def take_any_alphabet() -> None:
-    """Makes the standard streams escape characters that their encoding lacks, where Python would fail."""
+    """Makes the standard streams escape characters that their encoding lacks, where Python would fail.
+
+    Streams that the process lacks, as services and programs with a window may, take everything and keep nothing.
+    """
+    sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115 (open as long as the process is)
+    sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
