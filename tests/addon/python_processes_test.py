@@ -1,6 +1,7 @@
 """The Python package in callbacks, under Ctrl-C, on several threads and in forked processes."""
 
 import copy
+import gc
 import multiprocessing
 import pickle
 import subprocess
@@ -11,6 +12,7 @@ import pytest
 
 import paradesc
 from paradesc import ParadescError
+from paradesc.bridge import session
 from python_api_test import of_python, same
 from shapes import ADDON, ROOT, cube_sphere
 
@@ -31,6 +33,18 @@ def test_progress_is_told_and_false_cancels(sphere):
         paradesc.compute(points, quads, radius=0.1, progress=lambda *_: False)
     with pytest.raises(ZeroDivisionError):
         paradesc.compute(points, quads, radius=0.1, progress=lambda *_: 1 / 0)
+
+
+def test_an_error_in_progress_keeps_no_native_mesh(sphere):
+    points, quads, _ = sphere
+    gc.collect()
+    gc.disable()  # which would free it at any moment, in which Ctrl-C is lost
+    try:
+        with pytest.raises(ZeroDivisionError):
+            paradesc.compute(points, quads, radius=0.1, progress=lambda *_: 1 / 0)
+        assert not [one for one in gc.get_objects() if isinstance(one, session.Made)]
+    finally:
+        gc.enable()
 
 
 @pytest.mark.slow
