@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bridge import Descriptor, InputError, MeshArrays, ParadescError, abi, descriptors
+from .bridge import Descriptor, InputError, MeshArrays, ParadescError, abi, descriptors, uses_texture_space
 from .numpy_api import words
 from .numpy_api.result import Mask, ParadescWarning, Result
 
@@ -227,12 +227,14 @@ def profile(
     with work.plain_errors():
         if descriptor != work.balance.MEAN:
             raise InputError(f"descriptor is {work.options.shown(descriptor)}; only mean_curvature has a standard error.")
-        settings = work.options.settings_of(descriptor, 0.02, more)
+        settings = work.options.settings_of(descriptor, 0.02, {**more, "radius_unit": radius_unit})
+        if settings.options.normals != "fitted" or uses_texture_space(work.job.backend_for(settings)):
+            raise InputError(work.balance.UNKNOWN)
         points, polygons = work.surface_of(vertices, faces)
         arrays = work.inputs.mesh_arrays(points, polygons, None, None, sharp_edges)
-        lengths = work.balance.usual_radii(arrays) if radii is None else work.options.lengths_of(radii, radius_unit, arrays)
+        rising = None if radii is None else work.options.rising(radii)
         told = work.cancelling(progress)
-        found = work.balance.profile(settings, arrays, lengths, lambda asked: work.job.run(arrays, asked, told))
+        found = work.balance.profile(settings, arrays, rising, lambda asked: work.job.run(arrays, asked, told))
         return found if at is None else found.at(work.inputs.vertices_of(at, len(points)))
 
 
@@ -384,6 +386,9 @@ class Mesh:
             if self._stream is not None:
                 self._stream.close()
             self._stream = None
+
+    def __reduce__(self) -> str:
+        raise TypeError("A paradesc.Mesh cannot be copied or go to another process; make one there of the same arrays.")
 
     def __enter__(self) -> "Mesh":
         return self

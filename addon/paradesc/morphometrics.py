@@ -41,14 +41,16 @@ def command(configfile: str, surface: str | None, radius: float | None, force: b
     from .bridge import ParadescError
 
     config = load_config(configfile, require=("work_dir",))
-    folder, hit = Path(config["work_dir"]), config["curvature_measurements"]["radius_hit"]
+    folder, hit = Path(config["work_dir"]), (config.get("curvature_measurements") or {}).get("radius_hit")
+    if not isinstance(hit, (int, float)):
+        raise click.ClickException(f'"{configfile}" has no number radius_hit below curvature_measurements; add it.')
     found = [folder / surface] if surface else sorted(folder.glob(f"*{ENDING}"))
     if not found:
         raise click.ClickException(f'There is no *{ENDING} in "{folder}"; run morphometrics make_meshes first.')
     failed = []
     for path in found:
         try:
-            written = measure(path, hit, radius or hit * REACH, force)
+            written = measure(path, hit, hit * REACH if radius is None else radius, force)
             click.echo(f"{path.name}: {', '.join(one.name for one in written)}")
         except ParadescError as error:
             failed.append(f"{path.name}: {error.sentence}")

@@ -53,6 +53,28 @@ def test_output_never_fails_for_the_alphabet_of_a_console(tmp_path, encoding):
     assert len(np.load(tmp_path / "猫.npz")["mean_curvature"]) == 98
 
 
+@pytest.mark.skipif(os.name == "nt", reason="the shell of other systems closes the streams")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_a_process_without_standard_streams_computes(tmp_path, closed):
+    write_obj(tmp_path / "a.obj", *cube_sphere(4))
+    program = [sys.executable, "-m", "paradesc", "bake", "--reader", "files", "-o", "a.npz"]
+    for name, code in (("a.obj", 0), ("b.obj", 3)):
+        words = ["sh", "-c", f'"$@" {closed}', "sh", *program, name]
+        variables = {**os.environ, "PYTHONPATH": str(ADDON)}
+        assert subprocess.run(words, cwd=tmp_path, env=variables, timeout=120, check=False).returncode == code
+    assert (tmp_path / "a.npz").is_file()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
+def test_a_report_that_cannot_be_printed_is_one_sentence(tmp_path):
+    words = [sys.executable, "-m", "paradesc", "list", "--json", "-"]
+    variables = {**os.environ, "PYTHONPATH": str(ADDON)}
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, env=variables, timeout=120, check=False)
+    assert done.returncode != 0
+    assert b"Traceback" not in done.stderr
+
+
 @pytest.mark.skipif(os.name == "nt" or sys.platform == "darwin", reason="names are bytes on Linux alone")
 def test_a_name_that_is_no_text_is_written_in_reports(tmp_path):
     name = os.fsdecode(b"\xff.obj")

@@ -241,3 +241,11 @@ def test_what_holds_no_values_of_faces_is_refused(tmp_path, monkeypatch, capsys,
     monkeypatch.chdir(tmp_path)
     assert main(["bake", "a.obj", "--domain", "faces", *words]) == 2
     assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--backend", "reference"], ["--evaluate", "texel"], ["--precision", "half"]])
+def test_options_that_do_not_go_with_faces_are_a_fault_of_the_arguments(tmp_path, capsys, words):
+    path = write_obj(tmp_path / "a.obj", *cube_sphere(4))
+    words = ["--reader", "files", "--domain", "faces", "-o", str(tmp_path / "a.npz"), *words]
+    assert main(["bake", str(path), *words]) == 2
+    assert "Values at faces are computed on the processor alone" in capsys.readouterr().err

@@ -14,7 +14,7 @@ import threading
 import pytest
 
 from conftest import environment
-from shapes import ADDON, cube_sphere, write_obj
+from shapes import ADDON, RADIUS, cube_sphere, write_obj
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
@@ -108,6 +108,16 @@ def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
         for part in (report(), report()["objects"][0]):
             assert sum("0.9 of the mean edge" in line for line in part["warnings"]) == said
         assert ("of the mean edge" in ended.output) == said
+
+
+@pytest.mark.parametrize("words", [("compare", "ball1.obj"), ("animate", "ball#.obj", "--cache", "cache")])
+def test_every_command_says_a_radius_below_the_mean_edge(run, report, sphere_obj, words):
+    sphere_obj.rename(sphere_obj.with_name("ball1.obj"))
+    write_obj(sphere_obj.with_name("ball2.obj"), *cube_sphere(radius=1.1 * RADIUS))
+    ended = run(*words, *QUICK[2:], "--radius", "0.9", "--radius-unit", "mean-edge", "--json", "report.json")
+    assert ended.code == 0, ended.error
+    assert sum("only 0.9 of the mean edge" in line for line in report()["warnings"]) == 1
+    assert ended.output.count("of the mean edge") == 1
 
 
 @pytest.mark.parametrize(
@@ -292,12 +302,44 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
         assert not hasattr(bpy.types.Scene, name)
 
 
+def test_a_mesh_that_is_a_single_point_is_described(run, tmp_path):
+    path = tmp_path / "point.obj"
+    path.write_text(3 * "v 0 0 0\n" + "f 1 2 3\n")
+    ended = run("info", path, "--reader", "files")
+    assert ended.code == 0, ended.error
+    assert "diagonal 0, mean edge 0\n" in ended.output
+
+
 @pytest.mark.parametrize("command", ["bake", "animate", "compare", "info"])
 def test_report_never_takes_the_place_of_the_input(run, sphere_obj, command):
     before = sphere_obj.read_bytes()
     ended = run(command, sphere_obj, "--json", sphere_obj)
     assert (ended.code, sphere_obj.read_bytes()) == (2, before)
     assert "is the input" in ended.error
+
+
+@pytest.mark.parametrize("option", ["--from-file", "--displacement", "--normal-map", "--preset", "--corners", "-o"])
+def test_report_never_takes_the_place_of_another_file_of_the_command(run, sphere_obj, tmp_path, option):
+    other = tmp_path / {"-o": "other.npz"}.get(option, "other.png")
+    other.write_bytes(b"kept")
+    ended = run("bake", sphere_obj, option, other, "-o", tmp_path / "out.npz", "--json", other)
+    assert (ended.code, other.read_bytes()) == (2, b"kept")
+    assert "is the input or an output; choose another file for the report." in ended.error
+
+
+@pytest.mark.parametrize("words", [("animate", ".", "--cache", "cache"), ("library", ".", "--output", "out")])
+def test_report_never_takes_the_place_of_a_mesh_of_a_folder(run, sphere_obj, words):
+    before = sphere_obj.read_bytes()
+    ended = run(*words, "--json", sphere_obj)
+    assert (ended.code, sphere_obj.read_bytes()) == (2, before)
+    assert "is a mesh; choose another file for the report." in ended.error
+
+
+def test_corners_never_take_the_place_of_the_values(run, sphere_obj, tmp_path):
+    ended = run("bake", sphere_obj, "--descriptors", "harris", "-o", "out.npz", "--corners", "out.npz")
+    assert ended.code == 2
+    assert "is an output already; choose another file for the corners." in ended.error
+    assert not (tmp_path / "out.npz").exists()
 
 
 def test_report_never_takes_the_place_of_the_open_file(run, tmp_path, addon):

@@ -147,6 +147,23 @@ def test_a_surface_that_cannot_be_read_does_not_keep_the_others_from_it(config):
     assert "There is no file" in run(config, "gone.surface.vtp").output
 
 
+def test_a_radius_of_zero_is_refused(config):
+    surface(config.parent)
+    done = run(config, "--radius", 0)
+    assert done.exit_code == 1
+    assert "it has to be above 0" in done.output
+    assert not list(config.parent.glob("*AVV*"))
+
+
+@pytest.mark.parametrize("measured", [None, {}, {"radius_hit": "wide"}])
+def test_a_config_without_the_radius_is_one_sentence(config, monkeypatch, measured):
+    module = sys.modules["surface_morphometrics.config_utils"]
+    monkeypatch.setattr(module, "load_config", lambda *_, **__: {"work_dir": ".", "curvature_measurements": measured})
+    done = run(config)
+    assert done.exit_code == 1
+    assert "has no number radius_hit below curvature_measurements; add it." in done.output
+
+
 def test_an_empty_folder_is_one_sentence(config):
     done = run(config)
     assert done.exit_code == 1

@@ -25,6 +25,8 @@ def test_trimesh_goes_in_and_gets_its_values():
     assert result.to(mesh) is mesh
     assert np.array_equal(mesh.vertex_attributes["mean_curvature"], result["mean_curvature"])
     assert mesh.vertex_attributes["principal_direction_max"].shape == mesh.vertices.shape
+    mesh.vertex_attributes["mean_curvature"] *= 2  # a copy: the result stays
+    assert np.abs(result["mean_curvature"] - 0.5).max() < 0.01
     with pytest.raises(InputError, match="The mesh has 12 vertices, but the result belongs to one with 642"):
         result.to(trimesh.creation.icosphere(subdivisions=0))
 
@@ -39,6 +41,8 @@ def test_pyvista_goes_in_and_gets_its_values(sphere, pyvista):
         result = paradesc.compute(mesh, radius=0.1)
         assert same(result, expected)
         assert np.array_equal(result.to(mesh).point_data["mean_curvature"], result["mean_curvature"])
+        mesh.point_data["mean_curvature"] *= 2
+        assert same(result, expected)
     with pytest.raises(InputError, match="cells that are no polygons"):
         paradesc.compute(pyvista.ImageData(dimensions=(3, 3, 3)).cast_to_unstructured_grid())
 

@@ -9,6 +9,7 @@ import paradesc
 from paradesc import InputError, cli
 from paradesc.core import balance
 from python_api_test import torus
+from shapes import cube_sphere
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,16 @@ def test_a_profile_has_a_row_for_each_radius_and_a_column_for_each_vertex(rough,
     assert set(profile.best) <= set(profile.radii)
     one = paradesc.compute(points, quads, radius=float(profile.radii[1]), radius_unit="absolute")
     assert np.array_equal(profile.values[1], one["mean_curvature"])
+
+
+@pytest.mark.parametrize(("unit", "radii"), [("mean-edge", (2, 3)), ("diagonal", (0.1, 0.2)), ("absolute", (0.8, 1))])
+def test_radii_of_any_unit_are_those_of_compute(unit, radii):
+    ball, faces, _ = cube_sphere(6)
+    faces = faces[:-9]  # with edges that only one face has
+    found = paradesc.profile(ball, faces, radii=radii[::-1], radius_unit=unit)
+    one = paradesc.compute(ball, faces, radius=radii, radius_unit=unit)
+    assert found.radii.tolist() == list(one.radii.values())
+    assert np.array_equal(found.values, one.over_radii("mean_curvature"), equal_nan=True)
 
 
 def test_the_radius_is_about_the_one_of_least_error(rough, profile):
@@ -104,6 +115,14 @@ def test_auto_computes_by_the_profile_that_expects_the_smaller_error(rough, prof
         assert np.array_equal(mesh.compute("curvedness", radius="auto")["curvedness"], found["curvedness"])
 
 
+def test_progress_to_an_auto_radius_never_falls(rough):
+    told = []
+    paradesc.compute(*rough[:2], radius="auto", progress=lambda _, fraction: told.append(fraction))
+    assert told[0] == 0
+    assert told[-1] == 1
+    assert told == sorted(told)
+
+
 def test_auto_stays_with_the_estimator_that_is_asked_for(rough):
     points, quads, _ = rough
     found = paradesc.compute(points, quads, radius="auto", estimator="integral")
@@ -137,7 +156,9 @@ def test_coarse_meshes_have_an_auto_radius_too():
         (lambda *mesh: paradesc.profile(*mesh, radii=[0.1]), "give two or more"),
         (lambda *mesh: paradesc.profile(*mesh, radii=[0.1, 0.1]), "each once"),
         (lambda *mesh: paradesc.profile(*mesh, at=[-1]), "Entry 0 of at names vertex -1"),
-        (lambda *mesh: paradesc.profile(*mesh, normals="max"), "noise is not known here"),
+        (lambda *mesh: paradesc.profile(*mesh, radius_unit="meter"), "radius_unit is 'meter'"),
+        *((lambda *mesh, given=given: paradesc.profile(*mesh, **given), "noise is not known here")
+          for given in ({"normals": "max"}, {"normals": "mesh"}, {"backend": "software"}, {"precision": "half"})),
         (lambda *mesh: paradesc.compute(*mesh, radius="auto", normals="max"), "noise is not known here"),
         (lambda *mesh: paradesc.compute(*mesh, radius="Auto"), "radius is 'Auto'"),
     ],

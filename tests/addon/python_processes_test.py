@@ -1,6 +1,9 @@
 """The Python package in callbacks, under Ctrl-C, on several threads and in forked processes."""
 
+import copy
+import gc
 import multiprocessing
+import pickle
 import subprocess
 import sys
 import threading
@@ -9,6 +12,7 @@ import pytest
 
 import paradesc
 from paradesc import ParadescError
+from paradesc.bridge import session
 from python_api_test import of_python, same
 from shapes import ADDON, ROOT, cube_sphere
 
@@ -29,6 +33,18 @@ def test_progress_is_told_and_false_cancels(sphere):
         paradesc.compute(points, quads, radius=0.1, progress=lambda *_: False)
     with pytest.raises(ZeroDivisionError):
         paradesc.compute(points, quads, radius=0.1, progress=lambda *_: 1 / 0)
+
+
+def test_an_error_in_progress_keeps_no_native_mesh(sphere):
+    points, quads, _ = sphere
+    gc.collect()
+    gc.disable()  # which would free it at any moment, in which Ctrl-C is lost
+    try:
+        with pytest.raises(ZeroDivisionError):
+            paradesc.compute(points, quads, radius=0.1, progress=lambda *_: 1 / 0)
+        assert not [one for one in gc.get_objects() if isinstance(one, session.Made)]
+    finally:
+        gc.enable()
 
 
 @pytest.mark.slow
@@ -77,6 +93,20 @@ def test_a_forked_process_computes_the_same(sphere):
     assert ours.poll(60)
     assert ours.recv() == expected
     process.join()
+
+
+@pytest.mark.parametrize("error", [ParadescError(6, "Cancelled."), paradesc.InputError("There is no face.")])
+def test_an_error_goes_to_another_process(error):
+    found = pickle.loads(pickle.dumps(error))  # without it, a pool of processes breaks with all of its work
+    assert type(found) is type(error)
+    assert (found.status, found.sentence, str(found)) == (error.status, error.sentence, error.sentence)
+    assert found.args == error.args
+
+
+@pytest.mark.parametrize("call", [pickle.dumps, copy.copy, copy.deepcopy])
+def test_a_mesh_says_that_it_stays_in_its_process(sphere, call):
+    with paradesc.Mesh(*sphere[:2]) as mesh, pytest.raises(TypeError, match=r"make one there of the same arrays\."):
+        call(mesh)
 
 
 def forked_with_a_device(channel, mesh, points, quads):

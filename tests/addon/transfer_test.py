@@ -141,6 +141,14 @@ def test_several_coarse_meshes_in_one_file_share_a_range_of_colors(low, high):
     assert whole.results.shown("mean_curvature").maximum == pytest.approx(3.5, abs=0.01)
 
 
+def test_masks_of_several_meshes_in_one_file_share_a_range_of_colors(low, high):
+    settings = job.Settings(("convexity",), bridge.Options(radius=0.3), "cpu")
+    bakes = [job.run(one.arrays, settings) for one in (low, high)]
+    baked = [Baked(one.name, results, one.arrays, np.eye(4)) for one, results in zip((low, high), bakes, strict=True)]
+    shown = joined(baked).results.shown("convexity")
+    assert (shown.minimum, shown.maximum) == job.with_one_scale(bakes[0].look, bakes).ranges["convexity"]
+
+
 def test_a_layout_that_was_made_for_the_detailed_mesh_stays_with_it(low, high, monkeypatch):
     measured = job.run
 

@@ -61,6 +61,10 @@ class ParadescError(Exception):
         self.status = status
         self.sentence = sentence
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """The same error in another process, whatever arguments a class of errors takes."""
+        return type(self).__new__, (type(self), self.sentence), self.__dict__
+
 
 class InputError(ParadescError, ValueError):
     """An error in the given mesh, file or options. It is also a ValueError, which Python users expect.

@@ -277,7 +277,7 @@ class Call:
         for number, former in self._former.items():
             signal.signal(number, former)
         if self._caught and kind is None:
-            raise self._caught[0]
+            raise self._caught.pop(0)
 
     def _report(self, _user: int | None, stage: bytes, fraction: float) -> int:
         try:

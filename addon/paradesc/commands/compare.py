@@ -50,7 +50,8 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
     spreads = [f"{note[0].upper()}{note[1:]}." for note in filter(None, map(compare.spread_note, rows))]
-    print_notes([*notes, *spreads, *device.warnings])
+    warnings = [*device.warnings, *device.facet_notes()]
+    print_notes([*notes, *spreads, *warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),
@@ -58,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         "device": device.device,
         "fallback": "",  # for readers of earlier versions
         "notes": notes,
-        "warnings": device.warnings,
+        "warnings": warnings,
         "rows": rows,
         "failed_checks": failed_checks(rows, arguments.fail_over_error),
     }

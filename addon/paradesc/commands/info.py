@@ -98,7 +98,8 @@ def print_object(row: dict[str, object], unwraps: bool) -> None:
     defects = [f"{count:,} {DEFECTS[key]}" for key, count in row["defects"].items() if count]
     print(f"  defects: {', '.join(defects) or 'none'}")
     diagonal = row["diagonal"]
-    print(f"  diagonal {diagonal:.6g}, mean edge {row['mean_edge']:.6g} ({row['mean_edge'] / diagonal:.3g} of it)")
+    share = f" ({row['mean_edge'] / diagonal:.3g} of it)" if diagonal else ""
+    print(f"  diagonal {diagonal:.6g}, mean edge {row['mean_edge']:.6g}{share}")
     hint = row["suggested"]
     if hint:
         texels = f"{hint['radius_in_texels']:.1f} texels"

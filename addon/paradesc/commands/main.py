@@ -3,12 +3,15 @@
 import argparse
 import contextlib
 import io
+import os
 import sys
+from itertools import chain
+from pathlib import Path
 
 from .. import __version__
 from ..bridge import ParadescError
 from ..core import contexts
-from ..files import results
+from ..files import mesh_files, results
 from . import COMMANDS, common, modules
 from .common import UsageError
 from .signals import Signals, Terminated
@@ -65,13 +68,18 @@ def main(words: list[str]) -> int:
         sentence, code = f"Unexpected {type(error).__name__}: {error} (--verbose says where).", common.EXIT_FAILED
     finally:
         contexts.close_idle()
-    with contextlib.suppress(ParadescError):  # an error while the report is written is not reported as well
+    with contextlib.suppress(ParadescError, OSError):  # an error while the report is written is not reported as well
         write_report(arguments, {}, code, " ".join(sentence.split()))
     return say(sentence, code, arguments)
 
 
 def take_any_alphabet() -> None:
-    """Makes the standard streams escape characters that their encoding lacks, where Python would fail."""
+    """Makes the standard streams escape characters that their encoding lacks, where Python would fail.
+
+    Streams that the process lacks, as services and programs with a window may, take everything and keep nothing.
+    """
+    sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115 (open as long as the process is)
+    sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -93,15 +101,22 @@ def prints_json(arguments: argparse.Namespace) -> bool:
 
 
 def check_report(arguments: argparse.Namespace) -> None:
-    """Refuses a report that would not be alone on the standard output, or overwrite the input or the open .blend."""
+    """Refuses a report that would not be alone on the standard output, or that would take the place of another file.
+
+    A failure has a report too, so this comes before any other check, whose failure would write it.
+    """
     path = arguments.json
     if prints_json(arguments):
         if arguments.progress == "openjd":
             raise UsageError("--json - and --progress openjd both write to the standard output; name a file.")
     elif path is not None:
-        inputs = filter(None, (arguments.input, common.open_file()))
-        if path.resolve() in [given.resolve() for given in inputs]:
-            raise UsageError(f'"{path}" is the input; choose another file for the report.')
+        options = [value for option, value in vars(arguments).items() if option != "json"]
+        files = chain.from_iterable(value if isinstance(value, list) else [value] for value in options)
+        taken = [*files, common.open_file(), Path(arguments.preset or ".")]
+        if path.resolve() in [given.resolve() for given in taken if isinstance(given, Path)]:
+            raise UsageError(f'"{path}" is the input or an output; choose another file for the report.')
+        if path.suffix.lower() in mesh_files.SUFFIXES and path.is_file():  # perhaps one of a folder that is the input
+            raise UsageError(f'"{path}" is a mesh; choose another file for the report.')
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:

@@ -67,6 +67,9 @@ def check_files(arguments: argparse.Namespace) -> None:
     paths = files_of(arguments)
     check_outputs(paths)
     check_overwriting(paths, arguments.input, arguments.force)
+    corners = arguments.corners
+    if corners is not None and corners.resolve() in [path.resolve() for path in arguments.output + arguments.map]:
+        raise UsageError(f'"{corners}" is an output already; choose another file for the corners.')
     folder = arguments.dump_buffers
     if folder is None and not paths:
         raise UsageError("There is nothing to write; give --output, --map, --dump-buffers or --json.")

@@ -42,6 +42,11 @@ GAIN = 0.8
 # Rounds of averages over the neighbors of vertices that smooth their own bias; noise and bias count half by the mesh's.
 ROUNDS = 8
 
+UNKNOWN = (
+    "The noise is not known here, so it cannot choose the radius: this takes fitted normals on the processor and no "
+    "displacement image; give the radius as a number."
+)
+
 # The types of job.py, which is built on this.
 Settings, Results = TypeVar("Settings"), TypeVar("Results")
 Array = NDArray[np.float64]
@@ -135,6 +140,7 @@ def balanced(settings: Settings, arrays: MeshArrays, compute: Callable[[Settings
 
     The shape operator is extrapolated if that leaves a smaller error.
     """
+    settings = in_lengths(settings)
     radii, estimator = usual_radii(arrays), settings.options.estimator
     found = as_far_as_needed(settings, arrays, radii, compute)
     if estimator == "shape-operator":
@@ -143,15 +149,24 @@ def balanced(settings: Settings, arrays: MeshArrays, compute: Callable[[Settings
         if other.expected < GAIN * found.expected:
             found, estimator = other, "extrapolated"
     radius = float(f"{found.radius:.3g}")
-    options = replace(settings.options, radius=radius, radius_unit="absolute", estimator=estimator)
+    options = replace(settings.options, radius=radius, estimator=estimator)
     return replace(settings, options=options, more_radii=(), radius_fit=fitting.FITTED)
 
 
+def in_lengths(settings: Settings) -> Settings:
+    """The settings for radii that are lengths."""
+    return replace(settings, options=replace(settings.options, radius_unit="absolute"))
+
+
 def profile(
-    settings: Settings, arrays: MeshArrays, radii: Sequence[float], compute: Callable[[Settings], Results]
+    settings: Settings, arrays: MeshArrays, radii: Sequence[float] | None, compute: Callable[[Settings], Results]
 ) -> Profile:
-    """The profile at lengths that rise, of which the settings say all else; compute() gives the results of others."""
-    return of_rows(settings, arrays, radii, rows_at(settings, radii, compute))
+    """The profile at radii that rise, or the usual ones; the settings say all else, and compute() gives the results."""
+    if radii is None:
+        settings, radii = in_lengths(settings), usual_radii(arrays)
+    results = compute(sweep(settings, radii))
+    lengths = [results.radius_of(name) for name in results.values]
+    return of_rows(settings, arrays, lengths[::2], rows_of(results))
 
 
 def as_far_as_needed(
@@ -163,7 +178,7 @@ def as_far_as_needed(
     """
     count, rows = int(np.searchsorted(radii, FIRST * radii[0])) + 1, np.empty((0, 0))
     while True:
-        more = rows_at(settings, radii[len(rows) // 2 : count], compute)
+        more = rows_of(compute(sweep(settings, radii[len(rows) // 2 : count])))
         rows = np.concatenate([rows, more]) if len(rows) else more
         found = of_rows(settings, arrays, radii[:count], rows)
         if count >= len(radii) or BEYOND * found.radius <= radii[count - 1]:
@@ -171,9 +186,9 @@ def as_far_as_needed(
         count += 1
 
 
-def rows_at(settings: Settings, radii: Sequence[float], compute: Callable[[Settings], Results]) -> Array:
-    """Mean curvatures and their errors at these lengths, one after the other."""
-    return np.stack(list(compute(sweep(settings, radii)).values.values())).astype(np.float64)
+def rows_of(results: Results) -> Array:
+    """Mean curvatures and their errors at each radius, one after the other."""
+    return np.stack(list(results.values.values())).astype(np.float64)
 
 
 def of_rows(settings: Settings, arrays: MeshArrays, radii: Sequence[float], rows: Array) -> Profile:
@@ -189,11 +204,9 @@ def blurring(estimator: str) -> str:
 
 
 def sweep(settings: Settings, radii: Sequence[float]) -> Settings:
-    """The settings that compute what a profile is made of, at these lengths."""
-    options = replace(
-        settings.options, radius=radii[0], radius_unit="absolute", estimator=blurring(settings.options.estimator)
-    )
-    options = replace(options, evaluate="vertex")
+    """The settings that compute what a profile is made of, at these radii."""
+    estimator = blurring(settings.options.estimator)
+    options = replace(settings.options, radius=radii[0], estimator=estimator, evaluate="vertex")
     more = tuple(radii[1:])
     return replace(settings, descriptors=(MEAN, ERROR), options=options, more_radii=more, radius_fit="typed")
 
@@ -214,10 +227,7 @@ def profile_of(
     r = np.asarray(radii, float)
     known = np.isfinite(values).all(axis=0) & np.isfinite(errors).all(axis=0)
     if not known.any():
-        raise InputError(
-            "The noise is not known here, so it cannot choose the radius: this takes fitted normals on the processor "
-            "and no displacement image; give the radius as a number."
-        )
+        raise InputError(UNKNOWN)
     first, second = changes_between(r, telling)
     share = 1 / (r[second] ** blur - r[first] ** blur)
     slopes = (values[second] - values[first]) * share[:, None]  # b, and noise

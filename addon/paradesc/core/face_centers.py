@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bridge import InputError, MeshArrays, ProgressFunction, abi
+from ..bridge import InputError, MeshArrays, ProgressFunction, abi, unusable
 from . import advice, job, texel_centers, udim
 
 DOMAINS = ("vertices", "faces")
@@ -46,9 +46,9 @@ def check(arrays: MeshArrays, settings: job.Settings) -> None:
     options = settings.options
     if job.backend_for(settings) != "cpu" or options.evaluate != "vertex":
         sentence = "Values at faces are computed on the processor alone"
-        raise InputError(f"{sentence}; choose the backend cpu, and neither texels nor options of texture space.")
+        raise unusable(f"{sentence}; choose the backend cpu, and neither texels nor options of texture space.")
     if arrays.maps is not None:
-        raise InputError("Values at faces cannot follow a displacement or a normal map; leave it out.")
+        raise unusable("Values at faces cannot follow a displacement or a normal map; leave it out.")
 
 
 def with_a_texel_each(arrays: MeshArrays, faces: np.ndarray, count: int, side: int) -> MeshArrays:

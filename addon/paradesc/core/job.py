@@ -1,7 +1,7 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from operator import attrgetter
@@ -288,7 +288,8 @@ def fitted(
     """The settings with a fitted radius if they ask for one: by fitting.fitted(), or where noise and bias balance."""
     if settings.radius_fit != balance.AUTO:
         return fitting.fitted(settings, arrays, largest)
-    return balance.balanced(settings, arrays, lambda asked: run(arrays, asked, progress))
+    parts = halves(progress)
+    return balance.balanced(settings, arrays, lambda asked: run(arrays, asked, next(parts)))
 
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
@@ -399,6 +400,14 @@ def span_of(progress: ProgressFunction | None, first: float, last: float) -> Pro
     if progress is None:
         return None
     return lambda stage, fraction: progress(stage, first + (last - first) * fraction)
+
+
+def halves(progress: ProgressFunction | None) -> Iterator[ProgressFunction | None]:
+    """The progress of parts whose number is unknown: each has half of what is left."""
+    done = 0.0
+    while True:
+        yield span_of(progress, done, (1 + done) / 2)
+        done = (1 + done) / 2
 
 
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:

@@ -63,6 +63,7 @@ class Baker(Closing):
             raise InputError("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
         self.notes: list[str] = []
+        self.limits: list[str] = []  # of the radius, by the first frame that has any: their numbers differ a little
         self.undefined_frames: list[int] = []
         self._rest: job.Results | None = None
         self.stream: Stream | None = None
@@ -149,7 +150,9 @@ class Baker(Closing):
         total = sum(part["seconds_total"] for part in report)
         write = {"write": time.perf_counter() - computed}
         seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
-        return Done(task.frame, seconds, f"{results.backend}: {results.device}", results.warnings)
+        self.limits = self.limits or results.facet_notes()
+        warnings = [*results.warnings, *self.limits]
+        return Done(task.frame, seconds, f"{results.backend}: {results.device}", warnings)
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
         """The results of the base mesh, computed on first use."""

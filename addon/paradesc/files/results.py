@@ -138,7 +138,14 @@ def joined(baked: list[Baked]) -> Baked:
     if transfer is not None:  # for a common range of colors; there is no common image
         measured = {name: np.concatenate([one.measured[name] for one in transfers]) for name in transfer.measured}
         transfer = replace(transfer, measured=measured, images={})
-    whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=transfer)
+    whole = replace(
+        first,
+        values=values,
+        coverage=coverage,
+        corners=painted,
+        areas_of=first.areas_of and (lambda: np.concatenate([one.results.areas for one in baked])),
+        transfer=transfer,
+    )
     return Baked(", ".join(one.object_name for one in baked), whole, arrays, np.eye(4))
 
 

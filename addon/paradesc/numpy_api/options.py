@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import BACKENDS, CHOICES, InputError
-from ..core import advice, balance
+from ..core import balance
 from ..core.corners import check_threshold
 from ..core.face_centers import DOMAINS
 from ..core.job import Settings, check_descriptors
@@ -87,15 +87,12 @@ def radii_of(given: object) -> tuple[float, ...]:
     return radii
 
 
-def lengths_of(given: object, unit: object, arrays: bridge.MeshArrays) -> list[float]:
-    """The two or more radii of a profile, as lengths in ascending order."""
+def rising(given: object) -> list[float]:
+    """The two or more radii of a profile in ascending order."""
     radii = radii_of(given)
     if len(set(radii)) < 2 or len(set(radii)) < len(radii):
         raise InputError(f"radii is {shown(given)}; give two or more, each once.")
-    edge, diagonal = advice.edge_and_diagonal(arrays)
-    choice_of("radius_unit", unit, CHOICES["radius_unit"][0])
-    length = {"diagonal": diagonal, "mean-edge": edge}.get(unit, 1.0)
-    return [length * radius for radius in sorted(radii)]
+    return sorted(radii)
 
 
 def option_of(name: str, value: object) -> object:

@@ -87,7 +87,7 @@ def vtk_polygons(cells: object) -> Polygons:
 
 
 def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> None:
-    """Gives (n,) and (n, 3) arrays to a mesh with n vertices or faces, where its package keeps values at those."""
+    """Gives copies of (n,) and (n, 3) arrays to a mesh with n vertices or faces, where its package keeps such values."""
     kind = kind_of(mesh)
     if kind == "open3d legacy":
         raise InputError(LEGACY)
@@ -103,13 +103,14 @@ def write_to(mesh: object, values: Mapping[str, np.ndarray], domain: str) -> Non
     if at_faces and kind == "polydata":
         values = at_cells(mesh, values)
     for name, array in values.items():
+        array = array.copy()  # packages keep the very array, in which changes of the mesh would change the result
         if kind == "trimesh":
             (mesh.face_attributes if at_faces else mesh.vertex_attributes)[name] = array
         elif kind in ("polydata", "grid"):
             (mesh.cell_data if at_faces else mesh.point_data)[name] = array
         else:
             positions = mesh.vertex["positions"]  # a tensor (n, 1) or (n, 3) on the same device, so that files keep it
-            given = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
+            given = type(positions).from_numpy(array.reshape(len(array), -1))
             (mesh.triangle if at_faces else mesh.vertex)[name] = given.to(positions.device)
 
 

@@ -88,7 +88,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
     Attributes
     ----------
     coverage : (n,) float32
-        The share of the neighborhood that was found, between 0 and 1.
+        The share of the neighborhood that was found, between 0 and 1; NaN at vertices without a face.
     mask : (n,) uint8
         Combinations of the bits that Mask names.
     domain : str
