@@ -139,11 +139,11 @@ def test_a_driver_that_reads_an_input_reads_it_wherever_it_goes(target, member, 
             bpy.context.view_layer.update()
             yield target.location.z
 
-    assert list(heights()) == [0.25, 0.75]
+    assert list(heights()) == pytest.approx([0.25, 0.75])
     add_wear()
-    assert list(heights()) == [0.25, 0.75]
+    assert list(heights()) == pytest.approx([0.25, 0.75])
     assert bpy.ops.paradesc.remove_wear() == {"FINISHED"}
-    assert list(heights()) == [0.25, 0.75]
+    assert list(heights()) == pytest.approx([0.25, 0.75])
     assert read.id.path_resolve(read.data_path) == read.id.path_resolve(before)
 
 

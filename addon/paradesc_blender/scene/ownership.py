@@ -119,7 +119,8 @@ def come_from_elsewhere(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 def lack(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(vertex_count,) bool: the vertices at which one of our attributes has what Blender fills in, and no bake leaves.
 
-    That is a coverage of 0, or a value of 0 with white, unless the colors were made such that 0 may be white.
+    That is a coverage of 0, or a value of 0 with transparent black (from Blender 5 on) or with white, unless the colors
+    were made such that 0 may be white.
     """
     empty = arrays.attribute_values(mesh.attributes[name]) == 0
     if name == record.attribute_of(mesh, "coverage"):
@@ -127,9 +128,10 @@ def lack(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     known, color = record.read(mesh), mesh.attributes.get(f"{name}_color")
     low, high = known.get("ranges", {}).get(name, (0, 0))
     levels = map(known.get("drawn", {}).get(name, {}).get, ("contrast", "brightness", "invert"))
-    if color is None or arrays.kind_of(color) != ("FLOAT_COLOR", "POINT") or any(levels) or not low <= 0 < high:
+    if color is None or arrays.kind_of(color) != ("FLOAT_COLOR", "POINT"):
         return np.zeros(len(empty), bool)
-    return empty & (arrays.attribute_values(color) == 1).all(axis=1)
+    filled = (0,) if any(levels) or not low <= 0 < high else (0, 4)  # the sums of transparent black and of white
+    return empty & np.isin(arrays.attribute_values(color).sum(axis=1), filled)
 
 
 # ---- Names
