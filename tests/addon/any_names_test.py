@@ -15,14 +15,15 @@ from shapes import ADDON, cube_sphere, write_obj
 NAME = "é猫😀.obj"
 LONG = "x" * 300
 BAKE = ("bake", "--reader", "files")
+PROGRAM = (sys.executable, "-m", "paradesc")
+# The modules of this Python, which Blender's own has not.
+ALONE = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ADDON, Path(np.__file__).parents[1])))}
 
 
 def run(folder, encoding, *words):
     """A command as a process whose streams have this alphabet."""
-    modules = os.pathsep.join(map(str, (ADDON, Path(np.__file__).parents[1])))
-    variables = {**os.environ, "PYTHONPATH": modules, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
-    return subprocess.run([sys.executable, "-m", "paradesc", *words], env=variables, cwd=folder, capture_output=True,
-                          timeout=120, check=False)  # fmt: skip
+    variables = {**ALONE, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    return subprocess.run([*PROGRAM, *words], env=variables, cwd=folder, capture_output=True, timeout=120, check=False)
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
@@ -57,20 +58,18 @@ def test_output_never_fails_for_the_alphabet_of_a_console(tmp_path, encoding):
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 def test_a_process_without_standard_streams_computes(tmp_path, closed):
     write_obj(tmp_path / "a.obj", *cube_sphere(4))
-    program = [sys.executable, "-m", "paradesc", "bake", "--reader", "files", "-o", "a.npz"]
+    program = [*PROGRAM, *BAKE, "-o", "a.npz"]
     for name, code in (("a.obj", 0), ("b.obj", 3)):
         words = ["sh", "-c", f'"$@" {closed}', "sh", *program, name]
-        variables = {**os.environ, "PYTHONPATH": str(ADDON)}
-        assert subprocess.run(words, cwd=tmp_path, env=variables, timeout=120, check=False).returncode == code
+        assert subprocess.run(words, cwd=tmp_path, env=ALONE, timeout=120, check=False).returncode == code
     assert (tmp_path / "a.npz").is_file()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
 def test_a_report_that_cannot_be_printed_is_one_sentence(tmp_path):
-    words = [sys.executable, "-m", "paradesc", "list", "--json", "-"]
-    variables = {**os.environ, "PYTHONPATH": str(ADDON)}
+    words = [*PROGRAM, "list", "--json", "-"]
     with Path("/dev/full").open("wb") as full:
-        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, env=variables, timeout=120, check=False)
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, env=ALONE, timeout=120, check=False)
     assert done.returncode != 0
     assert b"Traceback" not in done.stderr
 
