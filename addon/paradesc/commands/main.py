@@ -146,5 +146,6 @@ def say(sentence: str, code: int, arguments: argparse.Namespace | None = None) -
     """Prints the failure on one line, and tells it a session of Open Job Description, with --progress openjd."""
     if arguments is not None and arguments.progress == "openjd":
         common.tell_openjd("fail", sentence)
-    print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
+    with contextlib.suppress(OSError):  # where nobody can read it, the code still tells
+        print("paradesc: " + " ".join(sentence.split()), file=sys.stderr, flush=True)
     return code
