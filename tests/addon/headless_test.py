@@ -310,38 +310,6 @@ def test_a_mesh_that_is_a_single_point_is_described(run, tmp_path):
     assert "diagonal 0, mean edge 0\n" in ended.output
 
 
-@pytest.mark.parametrize("command", ["bake", "animate", "compare", "info"])
-def test_report_never_takes_the_place_of_the_input(run, sphere_obj, command):
-    before = sphere_obj.read_bytes()
-    ended = run(command, sphere_obj, "--json", sphere_obj)
-    assert (ended.code, sphere_obj.read_bytes()) == (2, before)
-    assert "is the input" in ended.error
-
-
-@pytest.mark.parametrize("option", ["--from-file", "--displacement", "--normal-map", "--preset", "--corners", "-o"])
-def test_report_never_takes_the_place_of_another_file_of_the_command(run, sphere_obj, tmp_path, option):
-    other = tmp_path / {"-o": "other.npz"}.get(option, "other.png")
-    other.write_bytes(b"kept")
-    ended = run("bake", sphere_obj, option, other, "-o", tmp_path / "out.npz", "--json", other)
-    assert (ended.code, other.read_bytes()) == (2, b"kept")
-    assert "is the input or an output; choose another file for the report." in ended.error
-
-
-@pytest.mark.parametrize("words", [("animate", ".", "--cache", "cache"), ("library", ".", "--output", "out")])
-def test_report_never_takes_the_place_of_a_mesh_of_a_folder(run, sphere_obj, words):
-    before = sphere_obj.read_bytes()
-    ended = run(*words, "--json", sphere_obj)
-    assert (ended.code, sphere_obj.read_bytes()) == (2, before)
-    assert "is a mesh; choose another file for the report." in ended.error
-
-
-def test_corners_never_take_the_place_of_the_values(run, sphere_obj, tmp_path):
-    ended = run("bake", sphere_obj, "--descriptors", "harris", "-o", "out.npz", "--corners", "out.npz")
-    assert ended.code == 2
-    assert "is an output already; choose another file for the corners." in ended.error
-    assert not (tmp_path / "out.npz").exists()
-
-
 def test_report_never_takes_the_place_of_the_open_file(run, tmp_path, addon):
     empty_scene()
     path = saved_scene(tmp_path / "scene.blend")

@@ -112,7 +112,7 @@ def check_report(arguments: argparse.Namespace) -> None:
     elif path is not None:
         options = [value for option, value in vars(arguments).items() if option != "json"]
         files = chain.from_iterable(value if isinstance(value, list) else [value] for value in options)
-        taken = [*files, common.open_file(), Path(arguments.preset or ".")]
+        taken = [*files, common.open_file(), arguments.preset and Path(arguments.preset)]  # which may also be a name
         if path.resolve() in [given.resolve() for given in taken if isinstance(given, Path)]:
             raise UsageError(f'"{path}" is the input or an output; choose another file for the report.')
         if path.suffix.lower() in mesh_files.SUFFIXES and path.is_file():  # perhaps one of a folder that is the input

@@ -120,7 +120,7 @@ class ModalJob:
         try:
             end = time.monotonic() + self.turn
             goes_on = self.job.step()
-            while goes_on and not self.job.done and (left := end - time.monotonic()) > 0.0:
+            while goes_on and (left := end - time.monotonic()) > 0.0:
                 goes_on = self.job.step(left)
             if not self.job.done:
                 self.show_progress(context)
