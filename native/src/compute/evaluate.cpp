@@ -18,13 +18,16 @@ namespace {
 class RunningPass {
 public:
   RunningPass(Session &session, const PassInputs &of)
-      : of_(of), evaluate_(session.start(of)), creases_(of.surface, of.pass.rows, of.radius(), of.resources) {}
+      : of_(of), evaluate_(session.start(of)),
+        creases_(of.surface, of.pass.rows, of.radius(), of.request.options.estimator, of.resources) {}
 
   // Evaluates the first `count` points.
   CenterResults at_points(std::span<const int> rows, int32_t count, const Part &progress) const {
     const CenterPoints points = centers_at_points(of_.surface, of_.space, count, of_.resources.threads);
-    CenterResults results = evaluate_({points, of_.map}, rows, creases_.before(progress));
-    creases_.at_points(rows, results, progress);
+    const std::vector<int> needed = creases_.needed(rows);
+    CenterResults results = evaluate_({points, of_.map}, needed, creases_.before(progress));
+    creases_.at_points(needed, results, progress);
+    results.values.resize(rows.size());
     return results;
   }
 
@@ -35,8 +38,10 @@ public:
     if (of_.map) map = map_at_texels(of_.surface, texels, *of_.map, first, last, of_.resources.threads);
     const CenterPoints points = centers_at_texels(of_.surface, of_.space, texels, first, last, of_.resources.threads);
     const Centers centers{points, of_.map ? &map : nullptr, std::span(texels.centers).subspan(first, last - first), texels.size};
-    CenterResults results = evaluate_(centers, rows, creases_.before(progress));
-    creases_.at_texels(rows, texels, first, results, progress);
+    const std::vector<int> needed = creases_.needed(rows);
+    CenterResults results = evaluate_(centers, needed, creases_.before(progress));
+    creases_.at_texels(needed, texels, first, results, progress);
+    results.values.resize(rows.size());
     return results;
   }
 

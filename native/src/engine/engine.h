@@ -106,7 +106,8 @@ struct Centers {
   int map_size = 0;                      // texels along a side of their map
 };
 
-// progress: gets the share of the centers that is done, and may throw. Returns values of some of the pass's rows.
+// progress: gets the share of the centers that is done, and may throw. Returns values of some of the pass's rows, and of
+// others that need no more sums.
 using Part = std::function<void(double)>;
 using EvaluatePass = std::function<CenterResults(const Centers &centers, std::span<const int> rows, const Part &progress)>;
 

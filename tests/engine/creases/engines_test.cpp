@@ -123,6 +123,24 @@ TEST_P(CreasesOn, edges_are_those_of_the_solid_at_texels) {
   EXPECT_GT(far, 10000);
 }
 
+TEST_P(CreasesOn, a_descriptor_has_one_value_with_others_and_alone) {
+  const Mesh created = make_mesh(context.get(), mesh);
+  for (const int32_t estimator : {PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL}) {
+    options.estimator = estimator;
+    const auto compute_all = [&](const std::vector<const char *> &names) {
+      pdesc_field *field = nullptr;
+      EXPECT_EQ(pdesc_compute(created.get(), &options, names.data(), static_cast<int32_t>(names.size()), nullptr, nullptr, &field),
+                PDESC_OK)
+          << pdesc_last_error();
+      return values(Field(field).get(), "gaussian_curvature");
+    };
+    const std::vector<float> alone = compute_all({"gaussian_curvature"}),
+                             beside = compute_all({"principal_direction_max", "gaussian_curvature", "principal_curvature_min"});
+    for (size_t v = 0; v < alone.size(); ++v)
+      ASSERT_NEAR(alone[v], beside[v], 1e-6f + 1e-6f * std::abs(alone[v])) << estimator << " at " << v;
+  }
+}
+
 TEST_P(CreasesOn, none_rounds_them_and_marked_takes_marks) {
   const Mesh created = make_mesh(context.get(), mesh);
   const std::vector<float> hard = values(compute(created.get()).get(), "mean_curvature");

@@ -55,13 +55,19 @@ static constexpr RowOfSolid rows_of_solid[] = {
 // Operators need a map, and areas do not depend on curvature.
 static bool is_of_solid(int row) { return row < static_cast<int>(std::size(rows_of_solid)) && !uses_terms(row, "area"); }
 
-// Returns the solid's curvatures, the limit of its bending energy for radius 0, and the volume that belongs to H (paper eq. 8).
-static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const SolidTensor &tensor) {
+// Returns whether the values of a row follow from the shape operator alone.
+static bool is_of_shape(int row) {
+  return is_of_solid(row) && descriptor_row(row).terms == std::string_view() && row != find_descriptor("standard_error");
+}
+
+// Returns the curvatures of a shape operator, the limit of its bending energy for radius 0, and the volume that belongs to H
+// (paper eq. 8).
+static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Kernel::vec3 &shape) {
   Solid solid{kernel, sums, {}};
   const float radius = kernel.params.radius;
   solid.neighborhood = solid.kernel.unfitted_neighborhood(1.0f, 1.0f);
   solid.neighborhood.standard_error = 0.0f;
-  solid.neighborhood.shape = {static_cast<float>(tensor.xx), static_cast<float>(tensor.xy), static_cast<float>(tensor.yy)};
+  solid.neighborhood.shape = shape;
   solid.kernel.find_directions(solid.sums.center, solid.neighborhood);
   solid.kernel.find_curvatures(solid.sums, solid.neighborhood);
   const Kernel::Neighborhood &found = solid.neighborhood;
@@ -90,8 +96,22 @@ static void mix(float *value, const Value &solid, size_t components, float share
   for (int k = 0; k < 3; ++k) value[k] = largest < 0.0f ? -unit[k] : unit[k];
 }
 
-CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, const Resources &resources)
-    : surface_(surface), radius_(radius), threads_(resources.threads) {
+// The rows from which the shape operator of an engine follows.
+static std::array<int, 3> shape_rows() {
+  return {find_descriptor("principal_curvature_max"), find_descriptor("principal_curvature_min"),
+          find_descriptor("principal_direction_max")};
+}
+
+// Returns the shape operator with these eigenvalues in the center's tangents. direction: of k1, in space.
+static Kernel::vec3 shape_of(float k1, float k2, const float *direction, const Kernel::Center &center) {
+  const Kernel::vec3 d{direction[0], direction[1], direction[2]};
+  const float x = dot(d, center.t1), y = dot(d, center.t2), gap = (k1 - k2) / (x * x + y * y);
+  return {k2 + gap * x * x, gap * x * y, k2 + gap * y * y};
+}
+
+CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int32_t estimator,
+                         const Resources &resources)
+    : surface_(surface), radius_(radius), blends_shape_(estimator != PDESC_ESTIMATOR_INTEGRAL), threads_(resources.threads) {
   if (!surface.creases || surface.creases->edges.empty() || surface.maps.any() || std::ranges::none_of(rows, is_of_solid)) return;
   const int64_t triangles = surface.triangles.triangle_count;
   check_memory(resources.memory_limit, "The curvature beside creases on a surface of " + std::to_string(triangles) + " triangles",
@@ -112,6 +132,14 @@ struct SolidPlace {
 
 bool CreaseBlend::changes(std::span<const int> rows) const { return solid_ && std::ranges::any_of(rows, is_of_solid); }
 
+std::vector<int> CreaseBlend::needed(std::span<const int> rows) const {
+  std::vector<int> needed(rows.begin(), rows.end());
+  if (!solid_ || !blends_shape_ || std::ranges::none_of(rows, is_of_shape)) return needed;
+  for (const int row : shape_rows())
+    if (std::ranges::find(needed, row) == needed.end()) needed.push_back(row);
+  return needed;
+}
+
 static constexpr double share_before = 0.5;
 
 Part CreaseBlend::before(const Part &whole) const {
@@ -124,9 +152,15 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
                         const Part &whole) const {
   EvaluateParams params{};
   params.radius = static_cast<float>(radius_);
-  std::vector<size_t> changed;
+  std::vector<size_t> of_shape, of_values; // indices in `rows`
   for (size_t k = 0; k < rows.size(); ++k)
-    if (is_of_solid(rows[k])) changed.push_back(k);
+    if (is_of_solid(rows[k])) (blends_shape_ && is_of_shape(rows[k]) ? of_shape : of_values).push_back(k);
+  const float *k1 = nullptr, *k2 = nullptr, *direction = nullptr;
+  if (!of_shape.empty()) {
+    const auto values_of = [&](int row) { return results.values[std::ranges::find(rows, row) - rows.begin()].data(); };
+    const std::array<int, 3> shape = shape_rows();
+    k1 = values_of(shape[0]), k2 = values_of(shape[1]), direction = values_of(shape[2]);
+  }
   const auto blend_one = [&](size_t i, SolidMeasure &measure) {
     const SolidPlace place = find_place(i);
     if (!measure.is_near_crease(place.position, place.triangle)) return;
@@ -137,11 +171,20 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
     const SolidTensor tensor = measure.at(
         {place.position, exact(sums.center.normal), exact(sums.center.t1), exact(sums.center.t2), place.triangle, place.point});
     if (!(tensor.weight > 0)) return;
-    const Solid solid = solid_of(kernel, sums, tensor);
-    for (const size_t k : changed) {
+    const auto share = static_cast<float>(tensor.weight);
+    const auto set = [&](size_t k, const Solid &from, float part) {
       const auto components = static_cast<size_t>(descriptor_row(rows[k]).components);
-      mix(&results.values[k][i * components], rows_of_solid[rows[k]](solid), components, static_cast<float>(tensor.weight));
-    }
+      mix(&results.values[k][i * components], rows_of_solid[rows[k]](from), components, part);
+    };
+    const Kernel::vec3 of_solid{static_cast<float>(tensor.xx), static_cast<float>(tensor.xy), static_cast<float>(tensor.yy)};
+    const Solid solid = solid_of(kernel, sums, of_solid);
+    for (const size_t k : of_values) set(k, solid, share);
+    if (of_shape.empty()) return;
+    const bool is_known = share < 1.0f && !std::isnan(k1[i]);
+    if (!is_known && share <= 0.5f) return;
+    const Kernel::vec3 smooth = is_known ? shape_of(k1[i], k2[i], direction + 3 * i, sums.center) : of_solid;
+    const Solid blended = solid_of(kernel, sums, smooth + share * (of_solid - smooth));
+    for (const size_t k : of_shape) set(k, blended, 1.0f);
   };
   std::atomic<size_t> done{0};
   std::optional<CancelScope> cancel;

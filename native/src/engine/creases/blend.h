@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/creases/solid.h"
 #include "engine/engine.h"
@@ -12,15 +13,16 @@
 
 namespace paradesc {
 
-// The memory of facets, of FaceRows, and of the marks of threads.
-constexpr int64_t bytes_of_creased_triangle(int threads) { return 120 + 128 + 4 * int64_t{threads}; }
+// The memory of facets, of FaceRows, of shape operators at points, and of the marks of threads.
+constexpr int64_t bytes_of_creased_triangle(int threads) { return 120 + 128 + 20 + 4 * int64_t{threads}; }
 
-// Blends values for one radius, in units of the positions. Does nothing if the surface has no creases, if maps displace it, or if
+// Blends values for one radius, in units of the positions. Shape operators are blended, and all that follows from them is computed
+// anew, so that K = k1 k2 everywhere. Other values, and all of the integral estimator, are blended one by one. Does nothing if the surface has no creases, if maps displace it, or if
 // none of the rows depends on curvature.
 class CreaseBlend {
 public:
-  // Throws Error if there is too little memory.
-  CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, const Resources &resources);
+  // estimator: pdesc_estimator. Throws Error if there is too little memory.
+  CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int32_t estimator, const Resources &resources);
 
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;
@@ -28,7 +30,10 @@ public:
   // Returns the progress function for the steps before blending. It covers half of the pass, since blending often takes as long.
   Part before(const Part &whole) const;
 
-  // results: of some of the rows, at the first points, in units of the positions. Rows that do not depend on curvature stay
+  // Returns the rows, and after them those of the shape operator, if it has to be known.
+  std::vector<int> needed(std::span<const int> rows) const;
+
+  // results: of some of the rows and what they need, at the first points, in units of the positions. Rows that do not depend on curvature stay
   // unchanged. whole: gets the progress of the second half; without it the caller's cancel scope remains.
   void at_points(std::span<const int> rows, CenterResults &results, const Part &whole = {}) const;
   // Blends the results of texels from `first` on.
@@ -42,6 +47,7 @@ private:
 
   const Surface &surface_;
   double radius_;
+  bool blends_shape_;
   int threads_;
   std::optional<SolidSurface> solid_;
 };
