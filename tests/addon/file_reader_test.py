@@ -219,23 +219,26 @@ def test_what_blender_rounds_far_away_is_said(tmp_path, capsys):
 
 # ---- One result of a file, whoever reads it
 
-DAMAGED = [
-    (".obj", obj("v nan 0 0\n")),
-    (".obj", obj().replace(b"v -", b"v -0,", 1)),
-    (".obj", obj()[:-100] + b"f 1 2 999"),
-    (".obj", obj().replace(b"f ", b"f 0 ", 1)),
-    (".obj", obj().decode().encode("utf-16")),
-    (".ply", ply()[:-200]),
-    (".ply", ply().replace(b"end_header\n", b"end_header\nnan nan nan\n").replace(b"vertex 218", b"vertex 219")),
-    (".ply", ply("binary_little_endian")[:-5]),
-    (".stl", stl_binary(count=1000)),
-    (".stl", STL["text"][: len(STL["text"]) // 2]),
-    (".glb", GLB["plain"][:-500]),
-    (".gltf", b"version https://git-lfs.github.com/spec/v1"),
-]  # fmt: skip
+DAMAGED = {
+    "a place that is no number": (".obj", obj("v nan 0 0\n")),
+    "a comma in a number": (".obj", obj().replace(b"v -", b"v -0,", 1)),
+    "a vertex that is not there": (".obj", obj()[:-100] + b"f 1 2 999"),
+    "vertex 0": (".obj", obj().replace(b"f ", b"f 0 ", 1)),
+    "UTF-16": (".obj", obj().decode().encode("utf-16")),
+    "the end of a text is missing": (".ply", ply()[:-200]),
+    "a row too many": (
+        ".ply",
+        ply().replace(b"end_header\n", b"end_header\nnan nan nan\n").replace(b"vertex 218", b"vertex 219"),
+    ),
+    "the end is missing": (".ply", ply("binary_little_endian")[:-5]),
+    "too few facets": (".stl", stl_binary(count=1000)),
+    "half a file": (".stl", STL["text"][: len(STL["text"]) // 2]),
+    "the end of a buffer is missing": (".glb", GLB["plain"][:-500]),
+    "a pointer of Git LFS": (".gltf", b"version https://git-lfs.github.com/spec/v1"),
+}
 
 
-@pytest.mark.parametrize(("suffix", "content"), DAMAGED)
+@pytest.mark.parametrize(("suffix", "content"), DAMAGED.values(), ids=DAMAGED)
 def test_a_damaged_file_is_refused_with_the_same_sentence_by_blender(tmp_path, capsys, suffix, content):
     path, good = tmp_path / f"bad{suffix}", write_obj(tmp_path / "good.obj", *cube_sphere(4))
     path.write_bytes(content)

@@ -289,7 +289,8 @@ def write_page(mutants: list[Mutant], results: dict[str, Outcome]) -> None:
     for mutant in mutants:
         found = results.get(mutant.name)
         if found:
-            by = f"`{found.by.removeprefix('tests/addon/')}`" if found.result == "noticed" else found.by
+            test = found.by.removeprefix("tests/addon/").partition("[")[0]  # without its parameters
+            by = f"`{test}`" if found.result == "noticed" else found.by
             rows.append(f"| {mutant.name} | `{found.file}` | {found.result} | {by} |")
     text = PAGE.read_text()
     before, rest = text.split(BEGIN)
