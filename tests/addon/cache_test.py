@@ -75,7 +75,7 @@ def test_any_damaged_byte_is_found(tmp_path):
     for at in range(0, len(content), 29):
         path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
         assert "damaged" in refused(path)
-        assert not cache.kept(tmp_path, 7, "settings", "positions")
+        assert cache.sound_frame(tmp_path, 7) is None
     for length in (0, 5, 20, len(content) // 2, len(content) - 1):
         path.write_bytes(content[:length])
         refused(path)
@@ -130,14 +130,13 @@ def test_what_is_no_frame_is_not_looked_at(tmp_path):
     assert "no frame file" in refused(tmp_path / "frame_00001.pdframe")
 
 
-def test_frames_of_another_key_or_input_are_not_kept(tmp_path):
+def test_only_sound_frames_of_their_number_are_found(tmp_path):
     cache.write_frame(tmp_path, a_frame())
-    assert cache.kept(tmp_path, 7, "settings", "positions")
-    assert not cache.kept(tmp_path, 7, "others", "positions")
-    assert not cache.kept(tmp_path, 7, "settings", "moved")
-    assert not cache.kept(tmp_path, 8, "settings", "positions")
+    found = cache.sound_frame(tmp_path, 7)
+    assert (found.key, found.input) == ("settings", "positions")
+    assert cache.sound_frame(tmp_path, 8) is None
     cache.frame_path(tmp_path, 8).write_bytes(cache.frame_path(tmp_path, 7).read_bytes())  # renamed by hand
-    assert not cache.kept(tmp_path, 8, "settings", "positions")
+    assert cache.sound_frame(tmp_path, 8) is None
 
 
 def test_folder_that_cannot_be_written_is_one_sentence(tmp_path):

@@ -66,6 +66,23 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
         assert note(swelling) == ""
 
 
+def test_frames_of_another_file_are_played_and_the_panel_says_so(swelling, tmp_path):
+    scene = bpy.context.scene
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))
+    request = frames.FrameRequest(SETTINGS, animation_settings.object_cache(scene, swelling), force=True)
+    with frames.FrameBaker(scene, swelling, request) as baker, frames.frame_kept(scene):
+        baker.run(baker.prepare(6))
+    play(swelling)
+    scene.frame_set(6)
+    assert note(swelling) == ""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "second.blend"))
+    scene.frame_set(1)
+    assert note(swelling) == ""  # whose file had no name
+    scene.frame_set(6)
+    assert radius_now(swelling) == pytest.approx(3.0, rel=0.02)
+    assert note(swelling) == 'These frames were baked in "first.blend".'
+
+
 def test_frames_of_a_scene_without_the_object_play_nothing(swelling):
     play(swelling)
     bpy.context.scene.frame_set(6)

@@ -238,13 +238,12 @@ def is_whole(number: object, lowest: int, highest: int) -> bool:
     return type(number) is int and lowest <= number <= highest
 
 
-def kept(folder: Path, frame: int, key: str, content: str) -> bool:
-    """Returns whether this frame exists, is sound, and has this key and input."""
+def sound_frame(folder: Path, frame: int) -> Frame | None:
+    """The frame, if it exists and is sound."""
     try:
-        found = read_frame(frame_path(folder, frame))
+        return read_frame(frame_path(folder, frame))
     except ParadescError:
-        return False
-    return (found.key, found.input) == (key, content)
+        return None
 
 
 # ---- One method for all frames

@@ -56,6 +56,8 @@ class Done:
 class Baker(Closing):
     """Bakes the frames of one mesh, on one native mesh as long as the faces stay. Existing frames are kept."""
 
+    scene_file = ""  # the name of the .blend, if frames come from one
+
     def __init__(self, object_name: str, mesh_name: str, request: FrameRequest) -> None:
         self.object_name, self.mesh_name, self.request = object_name, mesh_name, request
         settings = request.settings
@@ -128,7 +130,16 @@ class Baker(Closing):
 
     def is_kept(self, frame: int, content: str) -> bool:
         """Returns whether the frame exists already with the same key and input."""
-        return not self.request.force and cache.kept(self.request.folder, frame, self.key, content)
+        there = cache.sound_frame(self.request.folder, frame)
+        if there is None:
+            return False
+        if not self.request.force and (there.key, there.input) == (self.key, content):
+            return True
+        other = there.info.get("scene")
+        if isinstance(other, str) and other != self.scene_file:
+            sentence = f'Frames that "{other}" had in "{self.request.folder}" were replaced'
+            self.tell([f"{sentence}; to keep the frames of both files, give each its own cache folder."])
+        return False
 
     def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:
         """Computes a frame and writes its file."""
@@ -182,6 +193,8 @@ class Baker(Closing):
             "radius": radius,
             "warnings": results.warnings,
         }
+        if self.scene_file:
+            info["scene"] = self.scene_file
         return cache.Frame(task.frame, self.key, task.input, {**values, **found.extras}, info)
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ prepare() needs Blender's main thread, run() runs on any thread.
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -43,6 +44,7 @@ class FrameBaker(Baker):
     def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
         self.scene, self.target = scene, target
         self.former: Read | None = None
+        self.scene_file = Path(bpy.data.filepath).name
         super().__init__(target.name, target.data.name, request)
 
     def read_base(self, needs_uvs: bool) -> MeshArrays:
