@@ -55,11 +55,6 @@ static constexpr RowOfSolid rows_of_solid[] = {
 // Operators need a map, and areas do not depend on curvature.
 static bool is_of_solid(int row) { return row < static_cast<int>(std::size(rows_of_solid)) && !uses_terms(row, "area"); }
 
-// Returns whether the values of a row follow from the shape operator alone.
-static bool is_of_shape(int row) {
-  return is_of_solid(row) && descriptor_row(row).terms == std::string_view() && row != find_descriptor("standard_error");
-}
-
 // Returns the curvatures of a shape operator, the limit of its bending energy for radius 0, and the volume that belongs to H
 // (paper eq. 8).
 static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Kernel::vec3 &shape) {
@@ -78,22 +73,10 @@ static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const Kern
   return solid;
 }
 
-// Blends the solid's value into `value`; if only one of them exists, it stands for both. Directions have two signs.
-static void mix(float *value, const Value &solid, size_t components, float share) {
-  if (share >= 1.0f || std::isnan(value[0])) {
-    if (share > 0.5f || share >= 1.0f) std::copy_n(solid.begin(), components, value);
-    return;
-  }
-  if (std::isnan(solid[0])) return;
-  if (components == 1) {
-    value[0] += share * (solid[0] - value[0]);
-    return;
-  }
-  const vec3 from(value[0], value[1], value[2]), to(solid[0], solid[1], solid[2]);
-  const vec3 between = from * (1.0f - share) + (dot(from, to) < 0.0f ? -to : to) * share;
-  const vec3 size = glm::abs(between), unit = between / length(between);
-  const float largest = size.x >= size.y && size.x >= size.z ? unit.x : size.y >= size.z ? unit.y : unit.z;
-  for (int k = 0; k < 3; ++k) value[k] = largest < 0.0f ? -unit[k] : unit[k];
+// Returns the value with a share of the solid's; if only one of them exists, it stands for both.
+static float mixed(float value, float solid, float share) {
+  if (share >= 1.0f || std::isnan(value)) return share > 0.5f ? solid : value;
+  return std::isnan(solid) ? value : value + share * (solid - value);
 }
 
 // The rows from which the shape operator of an engine follows.
@@ -111,7 +94,7 @@ static Kernel::vec3 shape_of(float k1, float k2, const float *direction, const K
 
 CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int32_t estimator,
                          const Resources &resources)
-    : surface_(surface), radius_(radius), blends_shape_(estimator != PDESC_ESTIMATOR_INTEGRAL), threads_(resources.threads) {
+    : surface_(surface), radius_(radius), blends_curvatures_(estimator != PDESC_ESTIMATOR_INTEGRAL), threads_(resources.threads) {
   if (!surface.creases || surface.creases->edges.empty() || surface.maps.any() || std::ranges::none_of(rows, is_of_solid)) return;
   const int64_t triangles = surface.triangles.triangle_count;
   check_memory(resources.memory_limit, "The curvature beside creases on a surface of " + std::to_string(triangles) + " triangles",
@@ -130,11 +113,18 @@ struct SolidPlace {
 
 } // namespace
 
+// Returns whether a row follows from the blended shape operator.
+bool CreaseBlend::is_of_shape(int row) const {
+  if (!is_of_solid(row)) return false;
+  const DescriptorRow &of = descriptor_row(row);
+  return of.components == 3 || (blends_curvatures_ && *of.terms == 0 && row != find_descriptor("standard_error"));
+}
+
 bool CreaseBlend::changes(std::span<const int> rows) const { return solid_ && std::ranges::any_of(rows, is_of_solid); }
 
 std::vector<int> CreaseBlend::needed(std::span<const int> rows) const {
   std::vector<int> needed(rows.begin(), rows.end());
-  if (!solid_ || !blends_shape_ || std::ranges::none_of(rows, is_of_shape)) return needed;
+  if (!solid_ || std::ranges::none_of(rows, [&](int row) { return is_of_shape(row); })) return needed;
   for (const int row : shape_rows())
     if (std::ranges::find(needed, row) == needed.end()) needed.push_back(row);
   return needed;
@@ -154,7 +144,7 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
   params.radius = static_cast<float>(radius_);
   std::vector<size_t> of_shape, of_values; // indices in `rows`
   for (size_t k = 0; k < rows.size(); ++k)
-    if (is_of_solid(rows[k])) (blends_shape_ && is_of_shape(rows[k]) ? of_shape : of_values).push_back(k);
+    if (is_of_solid(rows[k])) (is_of_shape(rows[k]) ? of_shape : of_values).push_back(k);
   const float *k1 = nullptr, *k2 = nullptr, *direction = nullptr;
   if (!of_shape.empty()) {
     const auto values_of = [&](int row) { return results.values[std::ranges::find(rows, row) - rows.begin()].data(); };
@@ -172,19 +162,21 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
         {place.position, exact(sums.center.normal), exact(sums.center.t1), exact(sums.center.t2), place.triangle, place.point});
     if (!(tensor.weight > 0)) return;
     const auto share = static_cast<float>(tensor.weight);
-    const auto set = [&](size_t k, const Solid &from, float part) {
-      const auto components = static_cast<size_t>(descriptor_row(rows[k]).components);
-      mix(&results.values[k][i * components], rows_of_solid[rows[k]](from), components, part);
-    };
     const Kernel::vec3 of_solid{static_cast<float>(tensor.xx), static_cast<float>(tensor.xy), static_cast<float>(tensor.yy)};
     const Solid solid = solid_of(kernel, sums, of_solid);
-    for (const size_t k : of_values) set(k, solid, share);
+    for (const size_t k : of_values) {
+      float &value = results.values[k][i];
+      value = mixed(value, rows_of_solid[rows[k]](solid)[0], share);
+    }
     if (of_shape.empty()) return;
     const bool is_known = share < 1.0f && !std::isnan(k1[i]);
     if (!is_known && share <= 0.5f) return;
     const Kernel::vec3 smooth = is_known ? shape_of(k1[i], k2[i], direction + 3 * i, sums.center) : of_solid;
     const Solid blended = solid_of(kernel, sums, smooth + share * (of_solid - smooth));
-    for (const size_t k : of_shape) set(k, blended, 1.0f);
+    for (const size_t k : of_shape) {
+      const auto components = static_cast<size_t>(descriptor_row(rows[k]).components);
+      std::copy_n(rows_of_solid[rows[k]](blended).begin(), components, &results.values[k][i * components]);
+    }
   };
   std::atomic<size_t> done{0};
   std::optional<CancelScope> cancel;

@@ -17,7 +17,7 @@ namespace paradesc {
 constexpr int64_t bytes_of_creased_triangle(int threads) { return 120 + 128 + 20 + 4 * int64_t{threads}; }
 
 // Blends values for one radius, in units of the positions. Shape operators are blended, and all that follows from them is computed
-// anew, so that K = k1 k2 everywhere. Other values, and all of the integral estimator, are blended one by one. Does nothing if the surface has no creases, if maps displace it, or if
+// anew, so that K = k1 k2 everywhere. Other values, and the numbers of the integral estimator, are blended one by one. Does nothing if the surface has no creases, if maps displace it, or if
 // none of the rows depends on curvature.
 class CreaseBlend {
 public:
@@ -41,13 +41,14 @@ public:
                  const Part &whole = {}) const;
 
 private:
+  bool is_of_shape(int row) const;
   bool changes(std::span<const int> rows) const;
   template <class FindPlace>
   void blend(std::span<const int> rows, size_t count, const FindPlace &place, CenterResults &results, const Part &whole) const;
 
   const Surface &surface_;
   double radius_;
-  bool blends_shape_;
+  bool blends_curvatures_;
   int threads_;
   std::optional<SolidSurface> solid_;
 };
