@@ -93,9 +93,7 @@ public:
     facet.middle = origin_ + middle_;
     facet.axes.first = glm::normalize(axes_.first - normal_ * glm::dot(normal_, axes_.first));
     facet.axes.second = glm::cross(normal_, facet.axes.first);
-    facet.area = 0.5 * twice_area_;
     facet.gradient = gradient_.in(facet.axes);
-    facet.excess = {facet.area * facet.gradient.xx, facet.area * facet.gradient.xy, facet.area * facet.gradient.yy};
     return facet;
   }
 
@@ -156,7 +154,6 @@ private:
   void trace(int32_t facet);
   void add_loop(int32_t facet, int32_t half_edge);
   void add_side(int32_t facet, std::span<const int32_t> half_edges);
-  void finish(int32_t facet, int loops);
   bool is_convex(const Facet &facet) const;
 
   const Mesh &mesh_;
@@ -227,7 +224,7 @@ void Building::trace(int32_t facet) {
       ++loops;
     }
   of.side_end = static_cast<int32_t>(side_.size());
-  finish(facet, loops);
+  of.is_convex = loops == 1 && is_convex(of);
 }
 
 void Building::add_loop(int32_t facet, int32_t half_edge) {
@@ -274,36 +271,6 @@ void Building::add_side(int32_t facet, std::span<const int32_t> half_edges) {
   for (const int32_t edge : half_edges) all_.side_of[edge] = static_cast<int32_t>(side_.size());
   outline_.insert(outline_.end(), half_edges.begin(), half_edges.end());
   side_.push_back(side);
-}
-
-void Building::finish(int32_t index, int loops) {
-  Facet &facet = facet_[index];
-  facet.is_convex = loops == 1 && is_convex(facet);
-  for (int32_t m = member_begin_[index]; m < member_begin_[index + 1]; ++m) {
-    std::array<dvec2, 4> corners{}; // the corners and their sum
-    for (int32_t k = 0; k < 3; ++k) {
-      const dvec3 from_middle = mesh_.place(3 * member_[m] + k) - facet.middle;
-      facet.reach = std::max(facet.reach, glm::length(from_middle));
-      corners[k] = facet.axes.of(from_middle);
-      corners[3] += corners[k];
-    }
-    const double share = std::abs(cross(corners[1] - corners[0], corners[2] - corners[0])) / 24;
-    for (const dvec2 &x : corners) {
-      facet.spread.xx += share * x.x * x.x;
-      facet.spread.xy += share * x.x * x.y;
-      facet.spread.yy += share * x.y * x.y;
-    }
-  }
-  for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
-    const FacetSide &side = side_[s];
-    const dvec2 along = facet.axes.of(side.end - side.begin);
-    const double length = glm::length(along);
-    if (side.is_crease || !(length > 0)) continue;
-    const double share = 0.5 * side.bend / length;
-    facet.excess.xx -= share * along.y * along.y;
-    facet.excess.xy += share * along.x * along.y;
-    facet.excess.yy -= share * along.x * along.x;
-  }
 }
 
 // Tests one boundary loop. Reflex corners within the flatness tolerance are ignored unless there are many.

@@ -29,11 +29,7 @@ struct Facet {
   dvec3 normal; // unit
   dvec3 middle; // of its area
   PlaneAxes axes;
-  double area;
-  double reach;         // of its corners from the middle
-  PlaneTensor spread;   // of the area around the middle: second moments
   PlaneTensor gradient; // of the normals
-  PlaneTensor excess;   // integral of the gradient, less the bends of sides that are not creases
   bool is_convex;       // a ball then cuts only one part out of the facet
   int32_t side_begin, side_end;
 };

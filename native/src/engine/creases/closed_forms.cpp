@@ -81,11 +81,6 @@ double seen_and_filled(const CutRegion &region, double height, double radius) {
   return solid_angle - height * area / (radius * radius * radius);
 }
 
-double kernel_at(double rho2, double radius) {
-  const double square = radius * radius, share = rho2 / square;
-  return share < 1 ? 0.25 * (rho2 - square - square * logarithm_of(std::max(share, 1e-24))) : 0;
-}
-
 double kernel_on_segment(dvec3 begin, dvec3 end, double radius) {
   const double length = glm::distance(begin, end) / radius;
   if (!(length > 0)) return 0;

@@ -24,9 +24,8 @@ void cut_triangle(const std::array<dvec2, 3> &corners, double radius, CutRegion 
 // Returns the integral of |h| (1/rho^3 - 1/r^3) over a region of a plane at the height |h| = height.
 double seen_and_filled(const CutRegion &region, double height, double radius);
 
-// Returns the kernel of H for surfaces that bend little, at a squared distance. Its Laplacian is 1 - pi r^2 delta. The kernel and
-// its slope vanish at r.
-double kernel_at(double rho2, double radius);
+// These return the integral of the kernel of H for surfaces that bend little, (rho^2 - r^2 - r^2 log(rho^2/r^2))/4. Its Laplacian
+// is 1 - pi r^2 delta. The kernel and its slope vanish at r.
 double kernel_on_segment(dvec3 begin, dvec3 end, double radius);
 double kernel_over(const CutRegion &region, double height, double radius);
 

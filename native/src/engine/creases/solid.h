@@ -68,7 +68,6 @@ private:
   LaneCenter lane_center() const;
   // The functions for facets are in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
-  bool add_small(Sums &sums, const Facet &facet, double height) const;
   void cut(const FacetPart &part, double height);
   double arcs_of(const FacetPart &part, double turn, bool is_cut) const;
   void add_part(Sums &sums, const FacetPart &part);

@@ -10,15 +10,6 @@ namespace paradesc {
 
 namespace {
 
-// Returns the integral of a function of the squared distance over a facet far from the center, by moments up to the second. slope
-// and bend are the function's first and second derivatives.
-double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, double slope, double bend) {
-  const dvec2 m = foot_to_middle;
-  const PlaneTensor &s = facet.spread;
-  const double along = s.xx * m.x * m.x + 2 * s.xy * m.x * m.y + s.yy * m.y * m.y;
-  return facet.area * value + slope * (s.xx + s.yy) + 2 * bend * along;
-}
-
 // Returns whether the place lies inside the facet: counts the sides that a ray along the first axis crosses.
 bool is_in(dvec2 place, const Facets &facets, const Facet &facet) {
   bool inside = false;
@@ -43,20 +34,6 @@ double SolidMeasure::height_over(const Facet &facet, const FacetPart &part) cons
       if (segment_distance(side.begin - center_.position, side.end - center_.position) < rounding_) return 0;
     }
   return height;
-}
-
-// Adds the facet by a series if it is small for its distance; returns whether it did.
-bool SolidMeasure::add_small(Sums &sums, const Facet &facet, double height) const {
-  constexpr double small = 0.1, thin_rim = 0.05;
-  const dvec3 middle = facet.middle - center_.position;
-  const double rho2 = glm::dot(middle, middle), rho = std::sqrt(rho2), size = 2 * facet.reach;
-  if (!(size < small * (rho - facet.reach)) || !(rho + facet.reach <= radius_ || size < thin_rim * radius_)) return false;
-  const double power = 1 / (rho2 * rho), cube = radius_ * radius_ * radius_;
-  const double amount =
-      far_integral(facet, facet.axes.of(middle), power - 1 / cube, -1.5 * power / rho2, 3.75 * power / (rho2 * rho2));
-  add_plane(sums.hard, facet.normal, height, std::abs(height) * std::max(amount, 0.0));
-  add_turn(sums.smooth, facet.normal, facet.axes, facet.excess, kernel_at(rho2, radius_));
-  return true;
 }
 
 // Cuts a plane by the ball → region_.
@@ -112,7 +89,7 @@ double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) co
 void SolidMeasure::add_part(Sums &sums, const FacetPart &part) {
   const Facet &facet = surface_.facets.facet[part.facet];
   const double height = height_over(facet, part);
-  if (!(std::abs(height) < radius_) || add_small(sums, facet, height)) return;
+  if (!(std::abs(height) < radius_)) return;
   for (const int32_t index : flood_.sides(part)) {
     const FacetSide &side = surface_.facets.side[index];
     if (side.is_crease || !(std::abs(side.bend) > LEAST_BEND)) continue;
