@@ -162,30 +162,6 @@ def test_baking_frames_leaves_the_scene_as_it_is(tmp_path):
     assert target.modifiers["Subdivision"].show_viewport
 
 
-def test_frames_of_another_file_that_are_replaced_are_told(cylinder_blend, tmp_path):
-    target, scene, folder = bpy.context.object, bpy.context.scene, tmp_path / "frames"
-
-    def notes(**request):
-        with frames.FrameBaker(scene, target, frames.FrameRequest(SETTINGS, folder, **request)) as baker:
-            for task in map(baker.prepare, (10, 20)):
-                if task is not None:
-                    baker.run(task)
-            return [note for note in baker.notes if "replaced" in note]
-
-    assert notes() == []
-    assert notes(force=True) == []
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
-    assert notes() == []  # the same frames, which are kept
-    target.modifiers.clear()
-    replaced = notes()
-    assert replaced == [
-        f'Frames that "cylinder.blend" had in "{folder}" were replaced; to keep the frames of both files, give each its '
-        "own cache folder."
-    ]
-    assert notes(force=True) == []  # they are those of this file now
-    assert cache.read_frame(cache.frame_path(folder, 20)).info["scene"] == "other.blend"
-
-
 def test_evaluated_frames_go_to_the_original_vertices(tmp_path):
     target = animated.bent_cylinder(rings=6, sides=8)
     target.modifiers.new("Subdivision", "SUBSURF").levels = 1

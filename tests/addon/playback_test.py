@@ -66,6 +66,31 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
         assert note(swelling) == ""
 
 
+def test_frames_of_another_file_that_are_replaced_are_told(swelling, tmp_path):
+    scene, folder = bpy.context.scene, tmp_path / "frames"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))
+
+    def notes(**request):
+        with frames.FrameBaker(scene, swelling, frames.FrameRequest(SETTINGS, folder, **request)) as baker:
+            for task in map(baker.prepare, (6, 11)):
+                if task is not None:
+                    baker.run(task)
+            return [note for note in baker.notes if "replaced" in note]
+
+    assert notes() == []
+    assert notes(force=True) == []
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
+    assert notes() == []  # the same frames, which are kept
+    swelling.data.shape_keys.key_blocks["Large"].mute = True
+    replaced = notes()
+    assert replaced == [
+        f'Frames that "first.blend" had in "{folder}" were replaced; to keep the frames of both files, give each its '
+        "own cache folder."
+    ]
+    assert notes(force=True) == []  # they are those of this file now
+    assert cache.read_frame(cache.frame_path(folder, 11)).info["scene"] == "other.blend"
+
+
 def test_frames_of_another_file_are_played_and_the_panel_says_so(swelling, tmp_path):
     scene = bpy.context.scene
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))

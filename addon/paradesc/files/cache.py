@@ -63,6 +63,11 @@ class Frame:
         """The number of vertices of the mesh that the values belong to."""
         return len(next(iter(self.values.values()), ()))
 
+    def other_scene(self, file: str) -> str:
+        """The name of the .blend that baked this frame, if it is another than this one."""
+        scene = self.info.get("scene", file)
+        return scene if isinstance(scene, str) and scene != file else ""
+
 
 # ---- Names
 

@@ -135,8 +135,7 @@ class Baker(Closing):
             return False
         if not self.request.force and (there.key, there.input) == (self.key, content):
             return True
-        other = there.info.get("scene")
-        if isinstance(other, str) and other != self.scene_file:
+        if other := there.other_scene(self.scene_file):
             sentence = f'Frames that "{other}" had in "{self.request.folder}" were replaced'
             self.tell([f"{sentence}; to keep the frames of both files, give each its own cache folder."])
         return False

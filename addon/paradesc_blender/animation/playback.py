@@ -61,7 +61,9 @@ class Player:
         if path is None or (self.note and scene.paradesc_live.missing == "COMPUTE"):
             return self.compute(target, depsgraph, scene)
         fresh = self.read(path, target)
-        self.note = self.note or other_scene(self.frame)
+        scene_name = self.frame.other_scene(Path(bpy.data.filepath).name)
+        if scene_name and not self.note:
+            self.note = f'These frames were baked in "{scene_name}".'
         read = time.perf_counter()
         look = looks.scene_look(scene)
         wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}, levels=color_maps.Levels()))
@@ -162,10 +164,3 @@ class Player:
         radius = radii.get(name) if isinstance(radii, dict) else None
         known = {"radius": float(radius)} if isinstance(radius, (int, float)) else {}
         return {**record.drawing(shown), **known, "unit": legend.unit_of(name, str(on))}
-
-
-def other_scene(frame: cache.Frame) -> str:
-    """A sentence if another .blend baked this frame, whose animation may differ."""
-    scene = frame.info.get("scene")
-    differs = isinstance(scene, str) and scene != Path(bpy.data.filepath).name
-    return f'These frames were baked in "{scene}".' if differs else ""
