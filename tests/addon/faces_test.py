@@ -94,7 +94,7 @@ def test_faces_without_an_area_are_undefined_and_take_nothing_from_their_neighbo
     found = paradesc.compute(points, every, NAMES, 0.05, domain="faces")
     assert np.isnan(found["mean_curvature"][50:52]).all()
     assert found.mask[50:52].tolist() == [1, 1]
-    assert found.coverage[50:52].tolist() == [0, 0]
+    assert np.isnan(found.coverage[50:52]).all()
     rest = np.delete(found["mean_curvature"], [50, 51])
     sound = paradesc.compute(points, faces, radius=0.05, domain="faces")["mean_curvature"]
     np.testing.assert_allclose(rest, sound, rtol=1e-4)  # sums run over the faces in another order

@@ -78,6 +78,15 @@ def test_a_row_says_what_the_results_are(library, tmp_path):
     assert hashes_of(tmp_path / "out")
 
 
+def test_a_loose_vertex_does_not_hide_the_coverage_of_an_asset(tmp_path):
+    one = tmp_path / "in" / "one.obj"
+    one.parent.mkdir()
+    one.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\nf 1 3 4\n", encoding="utf-8")
+    compute(one.parent, tmp_path / "out")
+    (described,) = rows_of(tmp_path / "out")["one.obj"]["objects"]
+    assert described["coverage"] == {"mean": 1.0, "minimum": 1.0}
+
+
 def test_a_row_warns_of_a_radius_that_shows_facets(library, tmp_path):
     compute(library, tmp_path / "out", "--radius-unit", "mean-edge", "--radius", "0.9")
     for row in rows_of(tmp_path / "out").values():

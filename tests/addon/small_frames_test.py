@@ -28,7 +28,7 @@ def test_a_frame_that_is_smaller_than_the_radius_is_undefined_and_the_others_go_
         assert next(note for note in baker.notes if "smaller than the radius" in note).endswith(": 10, 11.")
     sound, small = (cache.read_frame(cache.frame_path(tmp_path, frame)).values for frame in (2, 11))
     assert {name: array.shape for name, array in sound.items()} == {name: array.shape for name, array in small.items()}
-    assert {name for name in small if not np.isnan(small[name]).all()} == {"coverage", "paradesc_mask", "harris_corner"}
+    assert {name for name in small if not np.isnan(small[name]).all()} == {"paradesc_mask", "harris_corner"}
     assert np.isfinite(sound["mean_curvature_r0.1"]).all()
     assert cache.locked_ranges({tmp_path: ""})["mean_curvature_r0.1"].maximum > 0.4
 

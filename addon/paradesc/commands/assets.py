@@ -191,6 +191,7 @@ def bake(mesh: PolygonMesh, settings: job.Settings, progress: ProgressFunction |
 def described_object(baked: Baked) -> dict[str, object]:
     """The facts about one object for a row: those of a bake's report that differ between assets, and distributions."""
     found = baked.results
+    known = found.coverage[~np.isnan(found.coverage)]  # NaN at vertices without a face
     report = results.report(baked)
     for name, row in report["descriptors"].items():
         if found.values[name].ndim == 1:
@@ -199,7 +200,7 @@ def described_object(baked: Baked) -> dict[str, object]:
     return {
         "object": baked.object_name,
         "mesh_report": {name: found.mesh_report[name] for name in names if name in found.mesh_report},
-        "coverage": {"mean": float(np.mean(found.coverage)), "minimum": float(np.min(found.coverage, initial=1.0))},
+        "coverage": {"mean": float(known.mean()) if known.size else None, "minimum": float(known.min(initial=1.0))},
         "radius": found.radius,
         "corners": len(report["corners"]),
         "descriptors": report["descriptors"],

@@ -108,7 +108,7 @@ def at_faces(
         found,
         settings=replace(settings, options=replace(given, radius=options.radius), radius_fit=found.settings.radius_fit),
         values=values,
-        coverage=np.nan_to_num(coverage),
+        coverage=coverage,
         mask=mask_of(found.mask[laid.triangle_vertices], coverage, faces, count),
         mesh_report={**found.mesh_report, **dict.fromkeys(OF_UV_MAPS, 0)},
         maps={},

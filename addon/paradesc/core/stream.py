@@ -206,7 +206,7 @@ def undefined(mesh: bridge.Mesh, settings: job.Settings, device: str) -> job.Res
         job.radius_suffix(radius) if len(radii) > 1 else "": {**nothing, "radius": radius, "undefined_vertices": count}
         for radius in radii
     }
-    coverage, mask = np.zeros(count, np.float32), np.full(count, abi.MASK_NO_FACE, np.uint8)
+    coverage, mask = np.full(count, np.nan, np.float32), np.full(count, abi.MASK_NO_FACE, np.uint8)
     made = mesh.report(), next(iter(reports.values())), mesh.backend(settings.options), device
     results = job.Results(settings, values, coverage, mask, *made, warnings=[], field_reports=reports)
     if results.harris is not None:

@@ -224,7 +224,6 @@ def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], names: list[str]) -> Results:
     """The results at the low-poly mesh's vertices, with the reports of the detailed meshes."""
     values = {name: hits.values(column) for name, column in surface.values.items()}
-    coverage = hits.values(surface.coverage)
     first = found[0]
     warnings = [
         f'"{name}": {line}'
@@ -234,7 +233,7 @@ def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], n
     results = replace(
         first,
         values=values,
-        coverage=np.nan_to_num(coverage),
+        coverage=hits.values(surface.coverage),
         mask=np.where(hits.missed, abi.MASK_NO_FACE, 0).astype(np.uint8),
         warnings=list(dict.fromkeys(warnings)),
         unwrapped=None,

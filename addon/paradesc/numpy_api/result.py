@@ -88,7 +88,8 @@ class Result(Mapping[str, NDArray[np.float32]]):
     Attributes
     ----------
     coverage : (n,) float32
-        The share of the neighborhood that was found, between 0 and 1; NaN at vertices without a face.
+        The share of the neighborhood that was found, between 0 and 1; NaN at vertices without a face, at faces
+        without an area, and wherever else there is no surface that could be measured.
     mask : (n,) uint8
         Combinations of the bits that Mask names.
     domain : str
