@@ -24,11 +24,8 @@ public:
   // Evaluates the first `count` points.
   CenterResults at_points(std::span<const int> rows, int32_t count, const Part &progress) const {
     const CenterPoints points = centers_at_points(of_.surface, of_.space, count, of_.resources.threads);
-    const std::vector<int> needed = creases_.needed(rows);
-    CenterResults results = evaluate_({points, of_.map}, needed, creases_.before(progress));
-    creases_.at_points(needed, results, progress);
-    results.values.resize(rows.size());
-    return results;
+    return blended({points, of_.map}, rows, progress,
+                   [&](std::span<const int> needed, CenterResults &results) { creases_.at_points(needed, results, progress); });
   }
 
   // Evaluates the texels [first, last).
@@ -38,14 +35,22 @@ public:
     if (of_.map) map = map_at_texels(of_.surface, texels, *of_.map, first, last, of_.resources.threads);
     const CenterPoints points = centers_at_texels(of_.surface, of_.space, texels, first, last, of_.resources.threads);
     const Centers centers{points, of_.map ? &map : nullptr, std::span(texels.centers).subspan(first, last - first), texels.size};
+    return blended(centers, rows, progress, [&](std::span<const int> needed, CenterResults &results) {
+      creases_.at_texels(needed, texels, first, results, progress);
+    });
+  }
+
+private:
+  // Evaluates these rows and those that the blend needs, blends, and keeps the former.
+  template <class Blend>
+  CenterResults blended(const Centers &centers, std::span<const int> rows, const Part &progress, const Blend &blend) const {
     const std::vector<int> needed = creases_.needed(rows);
     CenterResults results = evaluate_(centers, needed, creases_.before(progress));
-    creases_.at_texels(needed, texels, first, results, progress);
+    blend(needed, results);
     results.values.resize(rows.size());
     return results;
   }
 
-private:
   const PassInputs &of_;
   EvaluatePass evaluate_;
   CreaseBlend creases_;
