@@ -69,11 +69,6 @@ static MovedFans displace_fans(const DisplacedSurface &surface, const HalfEdges 
   return result;
 }
 
-static vec3 unit_or(vec3 v, vec3 otherwise) {
-  const float span = length(v);
-  return span > 0.0f ? v / span : otherwise;
-}
-
 namespace {
 
 // Points of the surface under construction.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -12,17 +11,13 @@
 #include "mesh/steady_faces.h"
 #include "support/parallel.h"
 #include "support/pool.h"
+#include "support/union_find.h"
 
 namespace paradesc {
 
 namespace {
 
 constexpr int octants = 8;
-
-int root_of(std::vector<int32_t> &parent, int point) {
-  while (parent[point] != point) point = parent[point] = parent[parent[point]];
-  return point;
-}
 
 std::array<int32_t, 2> ends_of(const HalfEdges &half_edges, int32_t edge) {
   return {half_edges.corner_point[edge], half_edges.corner_point[next_corner(edge)]};
@@ -31,12 +26,12 @@ std::array<int32_t, 2> ends_of(const HalfEdges &half_edges, int32_t edge) {
 // Lines are in the order of their first edges.
 EdgeLines join(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> edges) {
   const auto points = static_cast<size_t>(half_edges.point_count);
-  std::vector<int32_t> parent(points), number(points, -1), edges_at(points, 0);
-  std::iota(parent.begin(), parent.end(), 0);
+  UnionFind joined(points);
+  std::vector<int32_t> number(points, -1), edges_at(points, 0);
   for (size_t i = 0; i < edges.size(); ++i) {
     checkpoint_at(i);
     const auto [begin, end] = ends_of(half_edges, edges[i]);
-    parent[root_of(parent, begin)] = root_of(parent, end);
+    joined.join(begin, end);
     ++edges_at[begin];
     ++edges_at[end];
   }
@@ -44,7 +39,7 @@ EdgeLines join(const Triangles &triangles, const HalfEdges &half_edges, std::spa
   lines.line_of.reserve(edges.size());
   for (size_t i = 0; i < edges.size(); ++i) {
     checkpoint_at(i);
-    int32_t &line = number[root_of(parent, half_edges.corner_point[edges[i]])];
+    int32_t &line = number[joined.root_of(half_edges.corner_point[edges[i]])];
     if (line < 0) {
       line = static_cast<int32_t>(lines.line.size());
       lines.line.emplace_back();

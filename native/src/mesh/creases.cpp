@@ -6,13 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "mesh/crease_lines.h"
 #include "mesh/steady_faces.h"
 #include "support/parallel.h"
+#include "support/union_find.h"
 
 namespace paradesc {
 
@@ -302,16 +302,12 @@ static Creases with_lines(const Triangles &triangles, const HalfEdges &half_edge
 // Returns the hidden edges and all edges connected to one. All other lines are judged already.
 static std::vector<int32_t> joined_by(const HalfEdges &half_edges, const std::vector<int32_t> &edges,
                                       const std::vector<int32_t> &hidden) {
-  std::vector<int32_t> parent(static_cast<size_t>(half_edges.point_count));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root_of = [&](int32_t edge) {
-    int32_t point = half_edges.corner_point[edge];
-    while (parent[point] != point) point = parent[point] = parent[parent[point]];
-    return point;
-  };
+  const auto points = static_cast<size_t>(half_edges.point_count);
+  UnionFind sets(points);
+  const auto root_of = [&](int32_t edge) { return sets.root_of(half_edges.corner_point[edge]); };
   for (const std::vector<int32_t> *const some : {&edges, &hidden})
-    for (const int32_t edge : *some) parent[root_of(next_corner(edge))] = root_of(edge);
-  std::vector<uint8_t> has_hidden(parent.size(), 0);
+    for (const int32_t edge : *some) sets.join(half_edges.corner_point[next_corner(edge)], half_edges.corner_point[edge]);
+  std::vector<uint8_t> has_hidden(points, 0);
   for (const int32_t edge : hidden) has_hidden[root_of(edge)] = 1;
   std::vector<int32_t> joined = union_of(edges, hidden);
   std::erase_if(joined, [&](int32_t edge) { return has_hidden[root_of(edge)] == 0; });

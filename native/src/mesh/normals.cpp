@@ -43,11 +43,6 @@ std::pair<dvec3, dvec3> corner_edges(const Triangles &triangles, int corner) {
   return {vertex(next_corner(corner)) - p, vertex(previous_corner(corner)) - p};
 }
 
-dvec3 unit_or(dvec3 v, dvec3 otherwise) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? v / length : otherwise;
-}
-
 // A unit normal, and the root of twice the area: floats hold it at all sizes of a mesh.
 struct FaceNormal {
   vec3 normal;
@@ -119,10 +114,7 @@ dvec3 max_normal(const Sources &from, int fan, double least_squares = 0) {
 }
 
 // A smooth step: 1 if value >= full, 0 if value <= none.
-double smooth_step(double none, double full, double value) {
-  const double t = std::clamp((value - none) / (full - none), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
+double smooth_step(double none, double full, double value) { return paradesc::smooth_step((value - none) / (full - none)); }
 
 // Unit normals of some fans, and the variance of positions around the fits.
 struct FanNormals {

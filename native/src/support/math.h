@@ -30,6 +30,18 @@ inline constexpr double pi = 3.14159265358979323846;
 // Twice the signed area of a triangle in the plane.
 inline double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
+// The unit vector along v, or the other one if v has no direction.
+template <class V> V unit_or(const V &v, const V &otherwise) {
+  const auto span = glm::length(v);
+  return span > 0 && std::isfinite(span) ? v / span : otherwise;
+}
+
+// 0 for t <= 0, 1 for t >= 1.
+inline double smooth_step(double t) {
+  const double inside = t > 0 ? (t < 1 ? t : 1) : 0;
+  return inside * inside * (3 - 2 * inside);
+}
+
 // A unit vector perpendicular to the unit vector n.
 inline dvec3 tangent_of(dvec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0))); }
 inline vec3 tangent_of(vec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0))); }

@@ -8,11 +8,6 @@
 
 namespace paradesc {
 
-static vec3 unit_or(vec3 v, vec3 otherwise) {
-  const float square = dot(v, v);
-  return square > 0.0f ? v / std::sqrt(square) : otherwise;
-}
-
 // In the coordinates (a, b), the corners are at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)).
 Sample sample_of_triangle(const vec3 *corners, const vec3 *normals) {
   const vec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], plane = cross(edge, other);

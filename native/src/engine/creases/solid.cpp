@@ -15,11 +15,6 @@ namespace paradesc {
 
 namespace {
 
-double smooth_step(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 // Turns a vector v of a plane with normal m into the plane with normal n.
 dvec3 turned(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
 

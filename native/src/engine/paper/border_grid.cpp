@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "support/union_find.h"
+
 namespace paradesc {
 
 // Calls visit(x, y) for each texel that the segment touches, with a margin for the rounding in marches.
@@ -117,29 +119,23 @@ BorderGrid build_border_grid(const Charts &charts, int size) {
 }
 
 std::vector<int32_t> number_seams(const Charts &charts) {
-  std::vector<int32_t> seam(charts.borders.size(), -1);
-  for (size_t i = 0; i < seam.size(); ++i)
-    if (charts.borders[i].kind == BorderKind::seam) seam[i] = static_cast<int32_t>(i);
-  auto root = [&](int32_t i) {
-    while (seam[i] != i) i = seam[i] = seam[seam[i]];
-    return i;
-  };
+  const size_t count = charts.borders.size();
+  const auto is_seam = [&](size_t i) { return charts.borders[i].kind == BorderKind::seam; };
+  UnionFind sets(count);
   // Borders of one seam meet at a wedge, and so do their twins.
   std::map<std::pair<int32_t, int32_t>, int32_t> met;
-  for (size_t i = 0; i < seam.size(); ++i) {
-    if (seam[i] < 0) continue;
+  for (size_t i = 0; i < count; ++i) {
+    if (!is_seam(i)) continue;
     const int32_t near = charts.borders[i].half_edge;
     const int32_t far = charts.borders[charts.borders[i].twin].half_edge;
     for (const auto &[a, b] : {std::pair(near, next_corner(far)), std::pair(next_corner(near), far)}) {
       const std::pair wedges(charts.corner_wedge[a], charts.corner_wedge[b]);
       const auto [other, is_new] = met.emplace(wedges, static_cast<int32_t>(i));
-      if (is_new) continue;
-      const int32_t one = root(other->second), two = root(static_cast<int32_t>(i));
-      seam[std::max(one, two)] = std::min(one, two);
+      if (!is_new) sets.join(other->second, static_cast<int32_t>(i));
     }
   }
-  for (size_t i = 0; i < seam.size(); ++i)
-    if (seam[i] >= 0) seam[i] = root(static_cast<int32_t>(i));
+  std::vector<int32_t> seam;
+  for (size_t i = 0; i < count; ++i) seam.push_back(is_seam(i) ? sets.root_of(static_cast<int32_t>(i)) : -1);
   return seam;
 }
 
