@@ -180,6 +180,25 @@ TEST(Normals, of_a_rough_surface_are_the_mean_of_the_faces_around_by_area) {
   EXPECT_GT(means, 0.8 * subject.rings.fan_count);
 }
 
+// Two rings around a vertex of an icosahedron hold all of its faces, whose vector areas sum up to rounding.
+TEST(Normals, of_an_icosahedron_are_not_the_mean_of_faces_that_cancel) {
+  constexpr float t = 1.618034f;
+  const std::vector<int32_t> corners{0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
+                                     4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
+                                     6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1};
+  for (const double turn : {0.1, 1.0, 2.0}) {
+    const dmat3 around(std::cos(turn), std::sin(turn), 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 1);
+    std::vector<vec3> positions{{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
+                                {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
+    for (vec3 &position : positions) position = vec3(around * dvec3(position));
+    const Subject subject(shape(positions, corners));
+    const Normals normals = subject.normals(PDESC_NORMALS_FITTED);
+    for (size_t v = 0; v < positions.size(); ++v) // 1e-3 degrees: the positions are rounded; the mean of all faces was anywhere
+      EXPECT_LT(angle_between(dvec3(normals.point[static_cast<size_t>(subject.half_edges.vertex_point[v])]), dvec3(positions[v])),
+                1e-3);
+  }
+}
+
 // A vertex more beside another, in the middle of a triangle's corner: slivers, whose directions say nothing.
 TEST(Normals, one_vertex_beside_another_turns_none) {
   const TestMesh smooth = torus(1, 0.4, {.vertices = 3000});

@@ -31,6 +31,10 @@ constexpr double noise_none = 0.015;
 constexpr double noise_full = 0.05;
 constexpr double share_none = 0.15;
 constexpr double share_full = 0.4;
+// Faces that cancel have no mean: the rings of a small closed part hold all of its faces, whose vector areas sum up to rounding.
+// The limits are those of the mean's length. On real meshes it is above them.
+constexpr double length_none = 0.05;
+constexpr double length_full = 0.1;
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
@@ -134,10 +138,10 @@ public:
   // ring, faces: as in NormalRings.
   void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces) {
     const dvec3 n = max_normal(from_, fan, mean_squares(from_, fan));
-    double spread = 1;
-    const dvec3 mean = mean_of(faces, n, spread);
+    double spread = 1, length = 1;
+    const dvec3 mean = mean_of(faces, n, spread, length);
     const dvec3 e1 = tangent_of(n);
-    members_[used_] = {fan, spread, 0, 0, n, e1, glm::cross(n, e1), mean};
+    members_[used_] = {fan, spread, length, 0, 0, n, e1, glm::cross(n, e1), mean};
     take_heights(members_[used_], ring);
     if (++used_ == fan_lanes) fit();
   }
@@ -145,13 +149,14 @@ public:
 private:
   struct Member {
     int fan;
-    double spread, square, height; // mean squares: of the distances of neighbors, and of their heights
+    double spread, length; // of the mean
+    double square, height; // mean squares: of the distances of neighbors, and of their heights
     dvec3 n, e1, e2;
     dvec3 mean; // of the faces of the rings, by their areas
   };
 
-  // The direction of the area-weighted mean of the faces' normals. spread: that mean's length times its cosine with the normal.
-  dvec3 mean_of(std::span<const int32_t> faces, dvec3 n, double &spread) const {
+  // The direction of the area-weighted mean of the faces' normals. length: of that mean. spread: that times its cosine with n.
+  dvec3 mean_of(std::span<const int32_t> faces, dvec3 n, double &spread, double &length) const {
     dvec3 sum(0);
     double areas = 0;
     for (const int index : faces) {
@@ -161,6 +166,7 @@ private:
       areas += area;
     }
     spread = areas > 0 ? glm::dot(sum, n) / areas : 1;
+    length = areas > 0 ? glm::length(sum) / areas : 1;
     return unit_or(sum, n);
   }
 
@@ -205,7 +211,8 @@ private:
         smooth_step(spread_none, spread_full, member.spread) * smooth_step(turn_none, turn_full, glm::dot(n, fitted));
     const dvec3 smooth = glm::normalize(n + weight * (fitted - n));
     const double rough = smooth_step(noise_none, noise_full, std::sqrt(noise / member.square)) *
-                         smooth_step(share_none, share_full, member.height > 0 ? std::sqrt(noise / member.height) : 0.0);
+                         smooth_step(share_none, share_full, member.height > 0 ? std::sqrt(noise / member.height) : 0.0) *
+                         smooth_step(length_none, length_full, member.length);
     return rough > 0 ? unit_or(smooth + rough * (member.mean - smooth), smooth) : smooth;
   }
 
