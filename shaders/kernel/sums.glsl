@@ -199,9 +199,12 @@ void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
   vec2 gap = vec2(0.5f * (neighborhood.shape.x - neighborhood.shape.z), neighborhood.shape.y);
   float half_gap = length(gap);
   neighborhood.eigenvalues = vec2(mean + half_gap, mean - half_gap);
-  // Half the angle of gap, by the one of two formulas that does not cancel.
-  vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
-  e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
+  // Half the angle of gap, by the one of two formulas that does not cancel. On a flat surface gap may be so small that its squares
+  // are no floats.
+  vec2 lifted = gap * (half_gap < 1e-12f ? 1e12f : 1.0f);
+  float size = length(lifted);
+  vec2 e = lifted.x >= 0.0f ? vec2(size + lifted.x, lifted.y) : vec2(lifted.y, size - lifted.x);
+  e = size > 1e-18f ? normalize(e) : vec2(1.0f, 0.0f);
   neighborhood.direction_max = center.t1 * e.x + center.t2 * e.y;
   neighborhood.direction_min = center.t2 * e.x - center.t1 * e.y;
 }

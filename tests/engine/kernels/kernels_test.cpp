@@ -37,5 +37,21 @@ TEST(Kernels, know_how_a_paraboloid_bends) {
   EXPECT_GT(std::abs(of("mean_curvature")), 2.75 * least);
 }
 
+TEST(Kernels, directions_are_unit_vectors_however_flat_the_surface_is) {
+  using Kernel = kernels::ShapeOperatorKernel<float, bool>;
+  Kernel kernel{EvaluateParams{}};
+  Kernel::Sums sums;
+  kernel.sums_init(sums, {}, {0.6f, 0.0f, 0.8f}, 0.0f);
+  for (const float size : {1.0f, 1e-12f, 1e-20f, 1e-23f, 1e-30f, 1e-40f, 0.0f}) {
+    Kernel::Neighborhood neighborhood = kernel.unfitted_neighborhood(1.0f, 1.0f);
+    neighborhood.shape = {0.3f * size, 0.7f * size, -0.9f * size};
+    kernel.find_directions(sums.center, neighborhood);
+    // The rounding of some floats. Squares of 1e-20 lose digits, and lengths were off by up to a tenth.
+    EXPECT_NEAR(length(neighborhood.direction_max), 1.0f, 1e-6f) << size;
+    EXPECT_NEAR(length(neighborhood.direction_min), 1.0f, 1e-6f) << size;
+    EXPECT_NEAR(dot(neighborhood.direction_max, neighborhood.direction_min), 0.0f, 1e-6f) << size;
+  }
+}
+
 } // namespace
 } // namespace paradesc::test
