@@ -15,6 +15,7 @@
 #include "support/error.h"
 #include "support/free_memory.h"
 #include "support/live.h"
+#include "support/shown.h"
 
 paradesc::edge::LastError &paradesc::edge::last_error() {
   thread_local LastError sentence;
@@ -35,6 +36,7 @@ namespace {
 
 using namespace paradesc::edge;
 using paradesc::Error;
+using paradesc::shown;
 
 // Never destroyed: other threads may still call while the process ends.
 paradesc::LiveHandles &live() {
@@ -82,7 +84,7 @@ constexpr const char *no_seam_errors =
 
 void check_options(const pdesc_options &options) {
   if (!std::isfinite(options.radius) || options.radius <= 0.0)
-    refuse("The radius is " + std::to_string(options.radius) + "; it must be a finite number above 0.");
+    refuse("The radius is " + shown(options.radius) + "; it must be a finite number above 0.");
   check_range("radius_unit", options.radius_unit, PDESC_RADIUS_DIAGONAL, PDESC_RADIUS_MEAN_EDGE);
   check_range("samples", options.samples, 8, 4096);
   check_range("buffer_size", options.buffer_size, 64, 8192);
@@ -101,11 +103,11 @@ void check_options(const pdesc_options &options) {
   check_range("precision", options.precision, PDESC_PRECISION_FULL, PDESC_PRECISION_HALF);
   if (options.seam_error != 0) refuse(no_seam_errors);
   if (!std::isfinite(options.adaptive) || options.adaptive < 0.0)
-    refuse("The option adaptive is " + std::to_string(options.adaptive) + "; it must be a finite number from 0 on.");
+    refuse("The option adaptive is " + shown(options.adaptive) + "; it must be a finite number from 0 on.");
   if (!(options.map_sigma >= 0.1) || !(options.map_sigma <= 4.0))
-    refuse("The option map_sigma is " + std::to_string(options.map_sigma) + "; choose from 0.1 to 4 radii.");
+    refuse("The option map_sigma is " + shown(options.map_sigma) + "; choose from 0.1 to 4 radii.");
   if (!(options.harris_k >= 0.0) || !(options.harris_k < 0.25))
-    refuse("The option harris_k is " + std::to_string(options.harris_k) +
+    refuse("The option harris_k is " + shown(options.harris_k) +
            "; it must be from 0 on and below 0.25, from which on no place is a corner.");
   paradesc::find_map(options.map_descriptor);
   if (options.geodesic == PDESC_GEODESIC_CHORDS && options.relocation == PDESC_RELOCATION_CONNECTED)
@@ -252,7 +254,7 @@ int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *nea
     need_live(mesh, "mesh");
     need(near_seam, "near_seam");
     if (!std::isfinite(radius) || radius < 0.0)
-      refuse("The radius is " + std::to_string(radius) + "; it must be a finite number from 0 on.");
+      refuse("The radius is " + shown(radius) + "; it must be a finite number from 0 on.");
     const Turn turn(*mesh->mesh->context);
     const paradesc::Mesh &ours = *mesh->mesh;
     check_length(vertex_count, static_cast<size_t>(ours.triangles.vertex_count));

@@ -6,6 +6,7 @@
 
 #include "api_edge.h"
 #include "gather/rays.h"
+#include "support/shown.h"
 
 namespace {
 
@@ -34,7 +35,7 @@ void check_rays(const pdesc_rays_input &input) {
   if (input.triangle_count > 0) need(input.positions, "positions");
   if (input.ray_count > 0) need(input.rays, "rays");
   if (!(input.reach > 0) || !std::isfinite(input.reach))
-    refuse("The reach is " + std::to_string(input.reach) + "; it must be a number above 0.");
+    refuse("The reach is " + paradesc::shown(input.reach) + "; it must be a number above 0.");
 }
 
 void check_count(int64_t room, int64_t needed) {

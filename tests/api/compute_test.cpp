@@ -26,6 +26,14 @@ TEST_F(Api, an_unusable_radius_is_refused) {
   expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {"radius_unit", "9"});
 }
 
+TEST_F(Api, huge_and_tiny_numbers_are_named_in_few_digits) {
+  options.radius_unit = PDESC_RADIUS_ABSOLUTE;
+  options.radius = 1e300;
+  expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {"The radius is 1e+300, but"});
+  options.radius = -1e-300;
+  expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {"The radius is -1e-300;"});
+}
+
 TEST_F(Api, counts_out_of_range_are_refused) {
   const auto refuse = [&](int32_t pdesc_options::*member, std::initializer_list<int32_t> values, const char *name) {
     for (const int32_t value : values) {

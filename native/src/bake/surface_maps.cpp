@@ -8,6 +8,7 @@
 
 #include "support/error.h"
 #include "support/parallel.h"
+#include "support/shown.h"
 
 namespace paradesc {
 
@@ -39,8 +40,8 @@ void set_displacement(SurfaceMaps &maps, const Triangles &triangles, const float
     check_finite(heights, count, 1, "displacement", "pixel");
     constexpr double largest = std::numeric_limits<float>::max();
     if (!(std::abs(midlevel) <= largest) || !(std::abs(scale) <= largest))
-      throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The midlevel is " + std::to_string(midlevel) + " and the scale " +
-                                                    std::to_string(scale) + "; both must be finite in single precision.");
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The midlevel is " + shown(midlevel) + " and the scale " + shown(scale) +
+                                                    "; both must be finite in single precision.");
     maps.displacement = Displacement{
         {width, height, std::vector<float>(heights, heights + count)}, static_cast<float>(midlevel), static_cast<float>(scale)};
   } else {

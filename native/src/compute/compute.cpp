@@ -10,14 +10,15 @@
 #include "compute/refine.h"
 #include "support/cancel.h"
 #include "support/error.h"
+#include "support/shown.h"
 
 namespace paradesc {
 
 static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
   const double radius = requested_radius(mesh, options);
   if (radius > mesh.extent.diagonal)
-    throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The radius is " + std::to_string(radius) + ", but the mesh's diagonal is only " +
-                                                  std::to_string(mesh.extent.diagonal) + "; choose a smaller radius.");
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The radius is " + shown(radius) + ", but the mesh's diagonal is only " +
+                                                  shown(mesh.extent.diagonal) + "; choose a smaller radius.");
   return radius;
 }
 
