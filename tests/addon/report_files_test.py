@@ -33,3 +33,45 @@ def test_corners_never_take_the_place_of_the_values(run, sphere_obj, tmp_path):
     assert ended.code == 2
     assert "is an output already; choose another file for the corners." in ended.error
     assert not (tmp_path / "out.npz").exists()
+
+
+def test_report_never_takes_the_place_of_the_listing_of_a_library(run, sphere_obj, tmp_path):
+    assert run("library", ".", "--output", "out", "--workers", 1).code == 0
+    listing = tmp_path / "out" / "library.jsonl"
+    before = listing.read_bytes()
+    ended = run("library", ".", "--output", "out", "--json", "out/../out/library.jsonl")
+    assert (ended.code, listing.read_bytes()) == (2, before)
+    assert "is the input or an output; choose another file for the report." in ended.error
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--list", "named", "library", ".", "--output", "out"),
+        ("library", ".", "--output", "out", "--list", "named"),
+        ("--bundle", ".", "library", ".", "--output", "out"),
+        ("animate", "named", "--frames", "1:9", "--cache", "cache"),
+    ],
+)
+def test_report_on_tasks_never_takes_the_place_of_another_file(run, sphere_obj, tmp_path, words):
+    name = "parameter_values.yaml" if "--bundle" in words else "named"
+    (tmp_path / name).write_bytes(b"kept")
+    ended = run("tasks", "--json", name, *words)
+    assert (ended.code, (tmp_path / name).read_bytes()) == (2, b"kept")
+    assert "is the input or an output; choose another file for the report." in ended.error
+
+
+def test_list_of_tasks_never_takes_the_place_of_the_scene(run, tmp_path):
+    (tmp_path / "shot.blend").write_bytes(b"kept")
+    ended = run("tasks", "--list", "shot.blend", "animate", "shot.blend", "--frames", "1:9", "--cache", "cache")
+    assert (ended.code, (tmp_path / "shot.blend").read_bytes()) == (2, b"kept")
+    assert "is the input or an output; choose another file for the list." in ended.error
+
+
+def test_corners_never_take_the_place_of_the_preset(run, sphere_obj, tmp_path):
+    path = tmp_path / "look.json"
+    path.write_text('{"paradesc_preset": 1, "name": "Look", "settings": {"descriptors": ["harris"]}}')
+    before = path.read_bytes()
+    ended = run("bake", sphere_obj, "--preset", path, "-o", "out.npz", "--corners", path)
+    assert (ended.code, path.read_bytes()) == (2, before)
+    assert "is the input; add --force to write over it, or choose another name." in ended.error

@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from .. import bridge
 from ..core import corners, job, source_kinds, texel_tiles
@@ -92,7 +93,8 @@ def check(arguments: argparse.Namespace) -> None:
     if lacking:
         raise common.UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
     check_files(arguments)
-    for given in (arguments.from_file, arguments.displacement, arguments.normal_map):
+    preset = arguments.preset and Path(arguments.preset)  # which may also be a name
+    for given in (arguments.from_file, arguments.displacement, arguments.normal_map, preset):
         common.check_overwriting(files_of(arguments), given, arguments.force)
     pairs.check_pair_options(arguments)
     if arguments.corner_threshold is not None:

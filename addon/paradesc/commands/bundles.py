@@ -37,13 +37,18 @@ def values_of(words: list[str], own: dict[str, object], program: list[str]) -> d
     return {**own, **named, "Backend": backend, **more}
 
 
+def files_of(folder: Path) -> list[Path]:
+    """The files of a job bundle."""
+    return [folder / "template.yaml", folder / "parameter_values.yaml"]
+
+
 def write_bundle(folder: Path, kind: str, values: dict[str, object]) -> list[Path]:
     """Writes a job bundle of Open Job Description: its template, and the values of the template's parameters."""
     lines = ["parameterValues:"]
     for name, value in values.items():
         lines += [f"  - name: {name}", f"    value: {json.dumps(value, ensure_ascii=False)}"]  # JSON is YAML as well
     written = copied([FARMS / "openjd" / kind / "template.yaml"], folder)
-    path = folder / "parameter_values.yaml"
+    _, path = files_of(folder)
     write_whole(path, "\n".join([*lines, ""]), write_text)
     return [*written, path]
 

@@ -5,10 +5,12 @@ import importlib.util
 import shlex
 import sys
 import time
+from itertools import chain
 from pathlib import Path
 from typing import NoReturn
 
 from ..bridge import InputError, ParadescError, abi
+from ..files import mesh_files
 from ..files.results import file_fault
 from .signals import Signals, Terminated
 
@@ -99,6 +101,23 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
     for path in paths:
         if given is not None and not force and path.resolve() == given.resolve():
             raise UsageError(f'"{path}" is the input; add --force to write over it, or choose another name.')
+
+
+def named_files(arguments: argparse.Namespace, besides: str = "") -> list[Path]:
+    """The files that a command reads and writes, as far as its options tell, besides that of one option."""
+    options = [value for option, value in vars(arguments).items() if option != besides]
+    files = list(chain.from_iterable(value if isinstance(value, list) else [value] for value in options))
+    files += [open_file(), arguments.preset and Path(arguments.preset)]  # which may also be a name
+    files += arguments.files_beside(arguments) if arguments.files_beside else []
+    return [path for path in files if isinstance(path, Path)]
+
+
+def check_apart(path: Path, taken: list[Path], purpose: str) -> None:
+    """Refuses a file for this purpose if it would take the place of another file of its command, or of a mesh."""
+    if path.resolve() in [other.resolve() for other in taken]:
+        raise UsageError(f'"{path}" is the input or an output; choose another file for {purpose}.')
+    if path.suffix.lower() in mesh_files.SUFFIXES and path.is_file():  # perhaps one of a folder that is the input
+        raise UsageError(f'"{path}" is a mesh; choose another file for {purpose}.')
 
 
 def has_blender() -> bool:

@@ -45,6 +45,11 @@ def add_options(parser: Parser) -> None:
     options.add_computation_options(parser)
 
 
+def files_beside(arguments: argparse.Namespace) -> list[Path]:
+    """The files that the command writes and that no option names."""
+    return [arguments.output / LISTING]
+
+
 def part(text: str) -> tuple[int, int]:
     """Parses K/N, with K from 1 to N."""
     found = PART.fullmatch(text)

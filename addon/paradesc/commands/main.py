@@ -5,13 +5,12 @@ import contextlib
 import io
 import os
 import sys
-from itertools import chain
 from pathlib import Path
 
 from .. import __version__
 from ..bridge import ParadescError
 from ..core import contexts
-from ..files import mesh_files, results
+from ..files import results
 from . import COMMANDS, common, modules
 from .common import UsageError
 from .signals import Signals, Terminated
@@ -31,7 +30,7 @@ def make_parser() -> common.Parser:
         command = found.add_parser(module.__name__.rpartition(".")[2], help=module.HELP)
         module.add_options(command)
         common.add_output_options(command)
-        command.set_defaults(run=module.run)
+        command.set_defaults(run=module.run, files_beside=getattr(module, "files_beside", None))
     for name in ("animate", "bake"):
         parser.set_defaults(**vars(found.choices[name].parse_args([])))
     return parser
@@ -110,13 +109,7 @@ def check_report(arguments: argparse.Namespace) -> None:
         if arguments.progress == "openjd":
             raise UsageError("--json - and --progress openjd both write to the standard output; name a file.")
     elif path is not None:
-        options = [value for option, value in vars(arguments).items() if option != "json"]
-        files = chain.from_iterable(value if isinstance(value, list) else [value] for value in options)
-        taken = [*files, common.open_file(), arguments.preset and Path(arguments.preset)]  # which may also be a name
-        if path.resolve() in [given.resolve() for given in taken if isinstance(given, Path)]:
-            raise UsageError(f'"{path}" is the input or an output; choose another file for the report.')
-        if path.suffix.lower() in mesh_files.SUFFIXES and path.is_file():  # perhaps one of a folder that is the input
-            raise UsageError(f'"{path}" is a mesh; choose another file for the report.')
+        common.check_apart(path, common.named_files(arguments, "json"), "the report")
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:

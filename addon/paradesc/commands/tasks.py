@@ -17,7 +17,7 @@ from ..bridge import ParadescError
 from ..files import cache, results
 from ..files.results import folder_fault, write_whole
 from . import animate_files, assets, bundles, library
-from .common import Parser, UsageError, check_outputs, has_blender
+from .common import Parser, UsageError, check_apart, check_outputs, has_blender, named_files
 from .options import opened_settings, settings_of
 
 DIVIDED = ("animate", "library")
@@ -60,6 +60,14 @@ def add_own_options(parser: argparse.ArgumentParser) -> None:
     add("--flamenco", metavar="FOLDER", type=Path, help="copy the job types of Flamenco to its folder of scripts")
 
 
+def files_beside(arguments: argparse.Namespace) -> list[Path]:
+    """The files that the command writes, or that the words of the other command name."""
+    words = own_options(arguments)
+    files = [arguments.list] if arguments.list is not None else []
+    files += bundles.files_of(arguments.bundle) if arguments.bundle is not None else []
+    return files + words_files(words)
+
+
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Lists the tasks, or writes job descriptions; returns the report."""
     words = own_options(arguments)
@@ -70,6 +78,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     listed = Listed([], {})
     if words:
         parsed, program = parsed_words(words), shlex.split(arguments.program or "paradesc")
+        settings_of(parsed)  # which are refused here if they make no sense
         start = [*program, *bundles.without_options(words, OURS[words[0]])[0]]
         listed = (frames_of if words[0] == "animate" else assets_of)(start, parsed, arguments)
         if arguments.bundle is not None:
@@ -101,6 +110,11 @@ def own_options(arguments: argparse.Namespace) -> list[str]:
     return words
 
 
+def words_files(words: list[str]) -> list[Path]:
+    """The files that the words of the other command name, or none if they are not words of such a command."""
+    return named_files(parsed_words(words)) if words and words[0] in DIVIDED else []
+
+
 def check(arguments: argparse.Namespace, words: list[str]) -> None:
     """Refuses words that cannot be divided into tasks, before any file is opened."""
     if not words and arguments.flamenco is None:
@@ -115,6 +129,8 @@ def check(arguments: argparse.Namespace, words: list[str]) -> None:
     if arguments.chunk is not None and arguments.chunk < 1:
         raise UsageError(f"--chunk is {arguments.chunk}; it must be at least 1.")
     check_outputs([arguments.list])
+    if arguments.list is not None:
+        check_apart(arguments.list, words_files(words), "the list")
     for folder in filter(None, (arguments.bundle, arguments.flamenco)):
         if folder_fault(folder):
             raise UsageError(folder_fault(folder))
@@ -127,7 +143,6 @@ def parsed_words(words: list[str]) -> argparse.Namespace:
     parsed, unknown = make_parser().parse_known_args(words)
     if unknown:
         raise UsageError(f'There is no option "{unknown[0]}"; see paradesc {words[0]} --help.')
-    settings_of(parsed)
     return parsed
 
 
