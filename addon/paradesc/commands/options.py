@@ -132,6 +132,8 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         settings.update(radius_fit="typed", more_radii=tuple(more))
     found = replace(base, **settings, options=replace(base.options, **options))
     job.check_descriptors(found.descriptors)
+    if found.radius_fit == "typed":
+        job.check_radii((found.options.radius, *found.more_radii))
     return found
 
 

@@ -261,6 +261,21 @@ def check_descriptors(names: tuple[str, ...]) -> None:
             raise bridge.unusable(f'The descriptor "{name}" is listed twice.')
 
 
+def check_radii(radii: tuple[float, ...]) -> None:
+    """Refuses radii whose values would have the same names."""
+    named: dict[str, float] = {}
+    for radius in radii:
+        suffix = radius_suffix(radius)
+        if named.get(suffix) == radius:
+            raise bridge.unusable("A radius is listed twice.")
+        if suffix in named:
+            raise bridge.unusable(
+                f"The radii {named[suffix]!r} and {radius!r} are the same to six digits, and so are the names of their "
+                f"values, which end in {suffix}; give one of them."
+            )
+        named[suffix] = radius
+
+
 def run(
     arrays: bridge.MeshArrays,
     settings: Settings,
@@ -359,8 +374,7 @@ def run_radii(
 ) -> Results:
     """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)
-    if len(set(map(radius_suffix, radii))) < len(radii):
-        raise bridge.unusable("A radius is listed twice.")
+    check_radii(radii)
     for index, radius in enumerate(radii):
         suffix = radius_suffix(radius) if len(radii) > 1 else ""
         options = replace(settings.options, radius=radius)
