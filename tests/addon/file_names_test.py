@@ -8,7 +8,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.files import cache, file_names, marks  # noqa: E402
+from paradesc_blender.scene import images  # noqa: E402
 from paradesc_blender.settings import preset_folders  # noqa: E402
+from scene import add_sphere  # noqa: E402
 from writers import bake_image, file  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -52,6 +54,34 @@ def test_names_that_some_file_system_takes_for_one_are_kept_apart():
     assert found[0] == "Wall_001"
     assert max(len(name.encode()) for name in found) < 200
     assert file_names.distinct(names) == found
+
+
+def test_names_keep_letters_digits_and_marks_of_every_alphabet():
+    for name in ("Würfel", "Été_2", "हिन्दी", "立方体", "куб", "κύβος", unicodedata.normalize("NFD", "Würfel")):
+        assert file_names.plain(name) == name
+    assert file_names.plain('a<b>:"/\\|?*.\t\x85©d') == "a_b" + 12 * "_" + "d"
+
+
+def test_textures_are_named_with_letters_that_have_accents(target, folder):
+    target.name = "Würfel"
+    bake_image(target)
+    bake_image(target)
+    assert [path.name for path in folder.glob("*.png")] == ["Würfel_curvature.png"]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_textures_of_a_former_name_go_on_with_it(target, folder, monkeypatch, packed):
+    if packed:
+        bpy.ops.wm.read_homefile(use_empty=True)
+        target = add_sphere()
+    target.name = "Würfel"
+    with monkeypatch.context() as before:
+        before.setattr(file_names, "plain", bpy.path.clean_name)
+        bake_image(target)
+    bake_image(target)
+    assert [path.name for path in folder.glob("*.png")] == ([] if packed else ["W_rfel_curvature.png"])
+    (image,) = (image for image in bpy.data.images if image.get(images.OBJECT) == "Würfel")
+    assert bpy.path.basename(image.filepath) == "W_rfel_curvature.png"
 
 
 def test_a_linked_object_of_the_same_name_has_textures_of_its_own(target, folder):

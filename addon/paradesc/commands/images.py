@@ -102,5 +102,5 @@ def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | 
 
 def file_name(one: Baked, baked: list[Baked]) -> str:
     """An object's name as part of a file name, with a number if some file system takes two objects' names for one."""
-    names = file_names.distinct([re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked])
+    names = file_names.distinct([re.sub(f"[^.{file_names.KEPT}]+", "_", other.object_name) for other in baked])
     return next(name for name, other in zip(names, baked, strict=True) if other is one)

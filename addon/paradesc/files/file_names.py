@@ -10,11 +10,19 @@ from collections.abc import Iterator
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
 # File systems allow 255 bytes; suffixes, numbers of tiles and what stands around a name while it is written need room.
 LONGEST = 120
+# Characters that names keep, as a set of a regular expression: - and _, and letters and digits of every alphabet with
+# their marks. All others up to Latin-1 are replaced, among them those that some file system refuses.
+KEPT = r"\w\u0100-\U0010ffff-"
 
 
 def folded(name: str) -> str:
     """A key that is equal for names that some file system takes for one: case and letters' composition are folded."""
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
+
+
+def plain(name: str) -> str:
+    """The name with _ in place of each character that it does not keep."""
+    return re.sub(f"[^{KEPT}]", "_", name)
 
 
 def cut(name: str) -> str:

@@ -11,7 +11,7 @@ import bpy
 from paradesc.bridge import InputError
 from paradesc.core import job
 from paradesc.core.color_maps import MASKS
-from paradesc.files import file_names, image_files, marks
+from paradesc.files import image_files, marks
 from paradesc.files.reading import ReadRequest, part_of
 from paradesc.files.results import file_fault, write_whole
 
@@ -37,6 +37,11 @@ class TextureBake(Piece):
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     kept: image_results.ImageBake | None = None  # once its images are loaded, as the mesh keeps it
     material: str = ""  # the name of the one that has the images now
+
+    @property
+    def owner(self) -> str:
+        """The object as its textures name it."""
+        return " of ".join(filter(None, self.key))
 
 
 class ImageBatch(Pieces):
@@ -66,7 +71,7 @@ class ImageBatch(Pieces):
             found = [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
         super().__init__(found)
         for piece in self.pieces:
-            piece.stem = file_names.cut(bpy.path.clean_name(piece.name))  # two objects may get the same
+            piece.stem = images.stem_of(piece.name, piece.owner)  # two objects may get the same
         # With one scale for several meshes none is drawn before all are computed.
         self.rounds = 2 if context.scene.paradesc_looks.same_scale and len(self.pieces) > 1 else 1
         self.round = 1
@@ -176,7 +181,7 @@ class ImageBatch(Pieces):
 
         They get the first name that is free, or that of the same object's earlier, unchanged bake.
         """
-        owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
+        owner = {"blend": Path(bpy.data.filepath).name, "object": piece.owner}
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
         place = images.free_name(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:

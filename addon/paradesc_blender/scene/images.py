@@ -102,6 +102,16 @@ def as_data(image: bpy.types.Image) -> bpy.types.Image:
 # ---- Names
 
 
+def stem_of(name: str, owner: str) -> str:
+    """How the names of an object's textures begin.
+
+    Earlier versions wrote "W_rfel" for "Würfel"; textures that this .blend has by such a name keep it.
+    """
+    former, there = file_names.cut(bpy.path.clean_name(name)), (item for item in bpy.data.images if item.library is None)
+    named = (bpy.path.basename(item.filepath) for item in there if item.get(OBJECT) == owner)
+    return former if any(one.startswith(f"{former}_") for one in named) else file_names.cut(file_names.plain(name))
+
+
 def free_name(folder: Path | None, stem: str, word: str, owner: marks.Owner) -> str:
     """The name of an object's texture: that of its earlier, unchanged bake, or a free one, without suffix.
 
