@@ -1,5 +1,11 @@
 """Reports and corners never take the place of another file of their command."""
 
+import io
+import json
+import os
+import threading
+
+import numpy as np
 import pytest
 
 
@@ -75,3 +81,38 @@ def test_corners_never_take_the_place_of_the_preset(run, sphere_obj, tmp_path):
     ended = run("bake", sphere_obj, "--preset", path, "-o", "out.npz", "--corners", path)
     assert (ended.code, path.read_bytes()) == (2, before)
     assert "is the input; add --force to write over it, or choose another name." in ended.error
+
+
+def test_a_report_that_is_named_as_a_folder_is_refused(run, sphere_obj):
+    for name in (".", "", ".."):
+        ended = run("info", sphere_obj, "--json", name)
+        assert (ended.code, "is a folder" in ended.error) == (2, True), ended.error
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no pipes with names in folders")
+def test_outputs_go_into_pipes_that_are_there(run, sphere_obj, tmp_path):
+    read = {}
+    paths = [tmp_path / "report.json", tmp_path / "values.npz"]
+    readers = [threading.Thread(target=lambda path=path: read.update({path: path.read_bytes()})) for path in paths]
+    for path, reader in zip(paths, readers, strict=True):
+        os.mkfifo(path)
+        reader.start()
+    assert run("bake", sphere_obj, "-o", paths[1], "--json", paths[0]).code == 0
+    for path, reader in zip(paths, readers, strict=True):
+        reader.join(60)
+        assert path.is_fifo()
+    assert json.loads(read[paths[0]])["status"] == "ok"
+    assert "mean_curvature" in np.load(io.BytesIO(read[paths[1]]))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
+def test_outputs_go_where_a_link_points(run, sphere_obj, tmp_path):
+    (tmp_path / "store").mkdir()
+    for name in ("there.npz", "new.npz"):
+        (tmp_path / name).symlink_to(tmp_path / "store" / name)
+    (tmp_path / "store" / "there.npz").write_bytes(b"before")
+    assert run("bake", sphere_obj, "-o", "there.npz", "-o", "new.npz").code == 0
+    for name in ("there.npz", "new.npz"):
+        assert (tmp_path / name).is_symlink()
+        assert "mean_curvature" in np.load(tmp_path / "store" / name)
+    assert len(list(tmp_path.rglob("*.npz"))) == 4

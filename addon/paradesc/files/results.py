@@ -233,7 +233,13 @@ def file_fault(path: Path) -> str:
         return fault
     if path.is_dir():
         return f'"{path}" is a folder, and cannot be written as a file; give it a name.'
-    return "" if os.access(path.absolute().parent, os.W_OK) else f'"{path}" cannot be written.'
+    written = path if is_special(path) else path.absolute().parent
+    return "" if os.access(written, os.W_OK) else f'"{path}" cannot be written.'
+
+
+def is_special(path: Path) -> bool:
+    """Returns whether a path is a device or a pipe, in whose place no file must be put."""
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def folder_fault(path: Path) -> str:
@@ -254,17 +260,30 @@ def make_folder(folder: Path) -> None:
 
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
-    """Writes a temporary file beside the path first, so that a failure leaves no half file and keeps an old one."""
-    temporary = path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")  # one for each writer
+    """Writes a temporary file beside the path first, so that a failure leaves no half file and keeps an old one.
+
+    A link stays, and the file that it names is written. A device or a pipe is written itself.
+    """
+    try:
+        if is_special(path):
+            writer(path, content)
+        else:
+            write_and_move(path.resolve() if path.is_symlink() else path, content, writer)
+    except OSError as error:
+        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+
+
+def write_and_move(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
+    """Writes a temporary file and moves it to the path; a failure leaves none."""
+    name = f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part"  # one for each writer
+    temporary = path.absolute().parent / name
     try:
         writer(temporary, content)
         temporary.replace(path)
-    except BaseException as error:
+    except BaseException:
         temporary.unlink(missing_ok=True)
-        if not isinstance(error, OSError):
-            raise
-        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
-        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+        raise
 
 
 def finite_only(content: object) -> object:
