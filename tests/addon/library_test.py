@@ -162,6 +162,21 @@ def test_results_that_are_gone_or_cut_off_are_computed_again(library, tmp_path):
     assert hashes_of(output) == before
 
 
+def test_a_run_that_is_killed_between_arrays_and_row_leaves_no_row_of_former_arrays(library, tmp_path, monkeypatch):
+    output, words = tmp_path / "out", ("--asset", "set_0/asset_0000.obj")
+    compute(library, output)
+    before = hashes_of(output)
+
+    def killed(*_given):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(assets, "write_row", killed)
+        compute(library, output, *words, "--radius", "0.3", code=130)
+    assert compute(library, output)["made"] == 1
+    assert hashes_of(output) == before
+
+
 def test_buffers_beside_a_gltf_belong_to_its_content(tmp_path):
     path = tmp_path / "a.gltf"
     path.write_text(json.dumps({"buffers": [{"uri": "a.bin"}, {"uri": "data:;base64,AA=="}]}))

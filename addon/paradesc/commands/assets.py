@@ -161,8 +161,9 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
     parts = [job.part_of(progress, index, len(meshes)) for index in range(len(meshes))]
     baked = [bake(mesh, settings, part) for mesh, part in zip(meshes, parts, strict=True)]
     done = time.monotonic()
-    path, _ = paths_of(work.output, name)
+    path, row = paths_of(work.output, name)
     make_folder(path.parent)
+    row.unlink(missing_ok=True)  # which is of former arrays; a run that is killed must not leave it beside these
     write_whole(path, baked, results.write_npz)
     content = path.read_bytes()
     first = baked[0].results
