@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -290,6 +291,19 @@ def of_report(path):
     key = json.loads(path.read_text())["settings_key"]
     assert key == assets.key_of(settings)
     return settings, key
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux lists the children of a process as a file")
+def test_the_processes_of_a_run_that_is_killed_end_too(tmp_path):
+    library = make_library(tmp_path / "library", 60, (6,))
+    process = subprocess.Popen(as_process(library, tmp_path / "out", "--workers", "2"), env=process_environment())
+    waited_for(lambda: len(list((tmp_path / "out").rglob("*.npz"))) >= 3)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    assert len(children) >= 2
+    process.kill()
+    process.wait(60)
+    waited_for(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -82,9 +83,7 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
     """
     others = set(multiprocessing.active_children())
     # Not forked: the native library may have threads, which a fork would lose in the middle of their work.
-    # They leave Ctrl-C to this process, which ends them. Files are written whole, so no half file is left.
-    ignored = signal.SIGINT, signal.SIG_IGN
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), signal.signal, ignored)
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin)
     try:
         for _, future in windowed(partial(pool.submit, assets.measure, work), names, 2 * workers, check):
             yield future.result()
@@ -94,6 +93,21 @@ def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def begin() -> None:
+    """Begins a process of the pool. It leaves Ctrl-C to the main one, which ends it, and ends if that is killed.
+
+    Files are written whole, so no half file is left.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=end_with, args=(multiprocessing.parent_process(),), daemon=True).start()
+
+
+def end_with(main: multiprocessing.Process) -> None:
+    """Waits until the main process ends, and ends this one."""
+    main.join()
+    os._exit(EXIT_FAILED)
 
 
 def windowed(
