@@ -13,7 +13,7 @@ import pytest
 from conftest import blender_program
 from libraries import all_hash, make_library, process_environment, rows_of, waited_for
 from paradesc.commands import bundles
-from paradesc.commands.common import UsageError, with_also
+from paradesc.commands.common import UsageError, split_words, with_also
 from paradesc.commands.main import main
 from paradesc.files import cache
 from shapes import cube_sphere, write_obj
@@ -149,6 +149,30 @@ def test_one_word_holds_many_options_or_none():
     assert with_also(["bake", "--also", "", "--also=-q"]) == ["bake", "-q"]
     with pytest.raises(UsageError, match="cannot be told apart"):
         with_also(["bake", "--also", "'"])
+    assert split_words("--object My\\ Cube", "--also", escapes=True) == ["--object", "My Cube"]
+    windows = r""" "C:\Program Files\py.exe" -m paradesc 'a b' C:\x\y.json #1 """
+    words = [r"C:\Program Files\py.exe", "-m", "paradesc", "a b", r"C:\x\y.json", "#1"]
+    assert split_words(windows, "--program", escapes=False) == words
+
+
+def test_a_list_on_the_standard_output_has_no_other_lines(run, sphere_obj, tmp_path):
+    ended = run("tasks", "library", ".", "-o", "out", "--flamenco", "scripts")
+    assert ended.code == 0
+    assert [json.loads(line)["name"] for line in ended.output.splitlines()] == ["sphere.obj", "listing"]
+    assert "wrote scripts" in ended.error
+    ended = run("tasks", "--json", "report.json", "library", ".", "-o", "out", "--list", "tasks.jsonl")
+    assert (ended.output, ended.error) == ("wrote report.json\n", "wrote tasks.jsonl\n")
+    assert json.loads((tmp_path / "report.json").read_text())["outputs"] == ["tasks.jsonl"]
+    ended = run("tasks", "--quiet", "library", ".", "-o", "out", "--list", "tasks.jsonl")
+    assert (ended.output, ended.error) == ("", "")
+
+
+def test_a_program_whose_words_cannot_be_told_apart_is_refused(run, sphere_obj):
+    ended = run("tasks", "library", ".", "-o", "out", "--program", "'python -m paradesc")
+    assert (ended.code, ended.error) == (
+        2,
+        "paradesc: The words of --program, 'python -m paradesc, cannot be told apart: No closing quotation.\n",
+    )
 
 
 def test_frames_are_written_as_farms_write_them():

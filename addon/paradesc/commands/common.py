@@ -2,6 +2,7 @@
 
 import argparse
 import importlib.util
+import os
 import shlex
 import sys
 import time
@@ -77,11 +78,19 @@ def with_also(words: list[str]) -> list[str]:
         if not word.startswith("--also") or text is None:
             found.append(word)
             continue
-        try:
-            found += shlex.split(text)
-        except ValueError as error:
-            raise UsageError(f"The words of --also, {text}, cannot be told apart: {error}.") from error
+        found += split_words(text, "--also")
     return found
+
+
+def split_words(text: str, option: str, escapes: bool = os.name != "nt") -> list[str]:
+    """The words of an option's text as a shell tells them apart; on Windows a backslash belongs to a path."""
+    words = shlex.shlex(text, posix=True, punctuation_chars=False)
+    words.whitespace_split, words.commenters = True, ""
+    words.escape = words.escape if escapes else ""
+    try:
+        return list(words)
+    except ValueError as error:
+        raise UsageError(f"The words of {option}, {text}, cannot be told apart: {error}.") from error
 
 
 def refuse(fault: str) -> None:

@@ -7,7 +7,6 @@ arguments), input and outputs.
 import argparse
 import json
 import math
-import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +16,7 @@ from ..bridge import ParadescError
 from ..files import cache, results
 from ..files.results import folder_fault, write_whole
 from . import animate_files, assets, bundles, library
-from .common import Parser, UsageError, check_apart, check_outputs, has_blender, named_files
+from .common import Parser, UsageError, check_apart, check_outputs, has_blender, named_files, split_words
 from .options import opened_settings, settings_of
 
 DIVIDED = ("animate", "library")
@@ -77,7 +76,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         written += bundles.copied(sorted((bundles.FARMS / "flamenco").glob("*.js")), arguments.flamenco)
     listed = Listed([], {})
     if words:
-        parsed, program = parsed_words(words), shlex.split(arguments.program or "paradesc")
+        parsed, program = parsed_words(words), split_words(arguments.program or "paradesc", "--program")
         settings_of(parsed)  # which are refused here if they make no sense
         start = [*program, *bundles.without_options(words, OURS[words[0]])[0]]
         listed = (frames_of if words[0] == "animate" else assets_of)(start, parsed, arguments)
@@ -86,11 +85,10 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
             kind = "animation" if words[0] == "animate" else "library"
             written += bundles.write_bundle(arguments.bundle, kind, values)
         else:
-            write_list(arguments, listed.tasks)
-    for sentence in listed.notes:
-        print(f"note: {sentence}", file=sys.stderr)  # the standard output may be the list
-    for path in written:
-        print(f"wrote {path}")
+            written += write_list(arguments, listed.tasks)
+    lines = [*(f"note: {sentence}" for sentence in listed.notes), *(f"wrote {path}" for path in written)]
+    for line in lines if not arguments.quiet else []:
+        print(line, file=sys.stderr)  # the standard output may be the list
     return {
         "tasks": len(listed.tasks),
         "outputs": [str(path) for path in written],
@@ -146,14 +144,15 @@ def parsed_words(words: list[str]) -> argparse.Namespace:
     return parsed
 
 
-def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
-    """Writes a line for each task."""
+def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> list[Path]:
+    """Writes a line for each task; returns the file, or nothing if they are printed."""
     printed = arguments.list is None or str(arguments.list) == "-"
     text = "".join(json.dumps(results.finite_only(task), ensure_ascii=printed) + "\n" for task in tasks)
     if printed:
         print(text, end="")
-    else:
-        write_whole(arguments.list, text, results.write_text)
+        return []
+    write_whole(arguments.list, text, results.write_text)
+    return [arguments.list]
 
 
 # ---- Frames
