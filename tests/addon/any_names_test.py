@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import unicodedata
 from pathlib import Path
 
 import numpy as np
@@ -147,3 +148,15 @@ def test_a_uv_map_that_cannot_be_used_is_told_from_none(tmp_path, capsys, line, 
     assert reason in capsys.readouterr().err
     assert cli.main([*words, "-o", str(tmp_path / "o.npz")]) == 0
     assert f'note: The mesh "sphere" {reason}, which was left out.' in capsys.readouterr().out
+
+
+def test_an_object_is_found_by_its_name_however_accents_are_composed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for form, other in (("NFC", "NFD"), ("NFD", "NFC")):
+        name = unicodedata.normalize(form, "Würfel")
+        path = tmp_path / "a.obj"
+        write_obj(path, *cube_sphere(4))
+        path.write_text(f"o {name}\n" + path.read_text().partition("\n")[2], encoding="utf-8")
+        words = [*BAKE, "a.obj", "--object", unicodedata.normalize(other, name), "-o", f"{form}.npz"]
+        assert cli.main(words) == 0
+        assert "mean_curvature" in np.load(f"{form}.npz")

@@ -3,6 +3,7 @@
 import argparse
 import re
 import sys
+import unicodedata
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -154,8 +155,13 @@ def chosen(meshes: list[PolygonMesh], name: str | None) -> PolygonMesh:
 
 
 def find(there: list[Target], name: str, numbered: bool = False) -> Target:
-    """The mesh object of this name. numbered: a number that Blender appended to the name counts as well."""
+    """The mesh object of this name, also if its letters and accents are composed otherwise, as macOS writes them.
+
+    numbered: a number that Blender appended to the name counts as well.
+    """
+    composed = unicodedata.normalize("NFC", name)
     found = [item for item in there if item.name == name]
+    found = found or [item for item in there if unicodedata.normalize("NFC", item.name) == composed]
     if not found and numbered:
         found = [item for item in there if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
     if not found:
