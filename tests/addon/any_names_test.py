@@ -130,6 +130,19 @@ def test_what_the_system_refuses_is_one_sentence(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().err == 'paradesc: "out.npz" cannot be used: No space left on device.\n'
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no limit for the size of a file")
+@pytest.mark.parametrize("words", [("-o", "a.npz"), ("-o", "a.vtp"), ("--dump-buffers", "a", "--backend", "software")])
+def test_a_disk_that_is_full_is_one_sentence(tmp_path, words):
+    write_obj(tmp_path / "a.obj", *cube_sphere(8))
+    limited = 'import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)); sys.path[:0] = ["."]'
+    script = f"{limited}\nfrom paradesc.cli import main\nsys.exit(main(sys.argv[1:]))"
+    program = [sys.executable, "-c", script, *BAKE, "a.obj", *words]
+    done = subprocess.run(program, cwd=tmp_path, env=ALONE, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert "cannot be written: File too large." in done.stderr
+
+
 # ---- UV maps that cannot be used
 
 

@@ -1,6 +1,8 @@
 """Writes results as images over the UV map (32-bit float EXR, 16-bit PNG), and pictures of the baked buffers."""
 
+import zipfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +10,7 @@ import numpy as np
 from .. import bridge
 from ..core import color_maps, udim
 from . import mask_image, png, tile_names
-from .results import Baked, write_whole
+from .results import Baked, write_arrays, write_whole
 
 SUFFIXES = (".exr", ".png")
 # So many texels around each chart repeat its border, so that filtering and a few mipmaps show no seam.
@@ -182,15 +184,9 @@ def write_buffers(folder: Path, baked: Baked) -> list[Path]:
     folder.mkdir(exist_ok=True)
     paths = [folder / "buffers.npz"]
     content = {**baked.results.buffers, "layout": baked.results.layout, **baked.results.maps}
-    write_whole(paths[0], content, write_arrays)
+    write_whole(paths[0], content, partial(write_arrays, packing=zipfile.ZIP_DEFLATED))
     for name, view in pictures_of(baked).items():
         paths.append(folder / f"{name}.png")
         pixels = np.round(255 * np.clip(np.nan_to_num(view[::-1]), 0.0, 1.0)).astype(np.uint8)
         write_whole(paths[-1], pixels, png.write_png)
     return paths
-
-
-def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    """Writes arrays as a packed .npz file."""
-    with path.open("wb") as file:
-        np.savez_compressed(file, **arrays)

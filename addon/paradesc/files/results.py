@@ -4,6 +4,7 @@ import json
 import math
 import os
 import secrets
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -69,8 +70,15 @@ def write_npz(path: Path, baked: list[Baked]) -> None:
     arrays = arrays_of(baked[0])
     if len(baked) > 1:
         arrays = {f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
-    with path.open("wb") as file:
-        np.savez(file, **arrays)
+    write_arrays(path, arrays)
+
+
+def write_arrays(path: Path, arrays: dict[str, np.ndarray], packing: int = zipfile.ZIP_STORED) -> None:
+    """Writes arrays as .npz, as np.savez() does, which complains of its archive a second time if the disk is full."""
+    with path.open("wb") as file, zipfile.ZipFile(file, "w", packing) as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
 
 
 def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
