@@ -288,6 +288,8 @@ def test_pairs_of_two_files_are_found_by_their_names_too(run, report, pair):
         (("--from", "nobody", "--object", "a_low"), 3, 'There is no object "nobody"'),
         (("--from", "a_low", "--object", "a_low"), 2, "cannot be detailed and low-poly at once"),
         (("--from-file", "missing.obj", "--object", "a_low"), 3, 'There is no file "missing.obj"'),
+        (("--from-file", "a.off", "--object", "a_low"), 3, 'Blender does not open "a.off"; save it as .ply, or give'),
+        (("--from-file", "a.txt", "--object", "a_low"), 3, '"a.txt" is none of .blend, .obj, '),
         (("--pairs", "--object", "a_high"), 3, 'named as "a_high" with _high in place of _low'),
         (("--from", "b_high", "--object", "a_low"), 2, 'No texel of "a_low" meets "b_high"'),
     ],

@@ -72,8 +72,11 @@ def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
 
     Importers make 0 of NaN, and a mesh of half a file. So our own reader checks a file first, if it knows the format.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise InputError(f'"{path}" is none of {", ".join(SUFFIXES)}.')
+    suffix = path.suffix.lower()
+    if suffix in mesh_files.BLENDER_LACKS:
+        raise InputError(f'Blender does not open "{path}"; save it as .ply, or give --reader files.')
+    if suffix not in SUFFIXES:
+        raise InputError(f'"{path}" is none of {", ".join([*SUFFIXES, *mesh_files.BLENDER_LACKS])}.')
     if not is_file(path):
         raise InputError(f'There is no file "{path}".')
     faces = mesh_files.check(path)
