@@ -210,6 +210,8 @@ def changed(rows, row, column, value):
         ([[0, 0, 0], [1, 0]], FACES, "vertices cannot be read as an array"),
         (np.array(POINTS) * 1e200, FACES, "more than 32-bit floats hold"),
         (POINTS, None, "faces is missing"),
+        (object(), "curvedness", "faces is 'curvedness'; give it as descriptors= if a mesh is in place of two arrays."),
+        (object(), ["curvedness"], r"faces is \['curvedness'\]; give it as descriptors="),
         (POINTS, changed(FACES, 3, 1, 4), "Face 3 names vertex 4, but there are 4 vertices, counted from 0."),
         (POINTS, changed(FACES, 1, 0, -1), "Face 1 names vertex -1"),
         (POINTS, changed(FACES, 1, 0, 1.5), "faces has the value 1.5 in row 1; vertices are whole numbers."),

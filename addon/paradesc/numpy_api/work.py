@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bridge import InputError, ParadescError, ProgressFunction, abi, origin
+from ..bridge import InputError, ParadescError, ProgressFunction, abi, descriptors, origin
 from ..core import balance, face_centers, job, legend
 from ..core.distributions import statistics
 from ..core.polygons import Polygons, triangle_corners
@@ -17,6 +17,9 @@ from . import inputs, options, other_meshes
 def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
     """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
     kind = type(vertices).__name__
+    first = faces[0] if isinstance(faces, (list, tuple)) and faces else faces
+    if isinstance(first, str) and any(row.name == first for row in descriptors()):
+        raise InputError(f"faces is {options.shown(faces)}; give it as descriptors= if a mesh is in place of two arrays.")
     if faces is None:
         vertices, faces = other_meshes.vertices_and_faces(vertices)
     if faces is None:
