@@ -163,6 +163,20 @@ def test_results_that_are_gone_or_cut_off_are_computed_again(library, tmp_path):
     assert hashes_of(output) == before
 
 
+def test_a_folder_that_cannot_be_read_is_no_library_without_its_assets(library, tmp_path, capfd, monkeypatch):
+    listed = os.scandir
+
+    def refused(path):
+        if str(path).endswith("set_1"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return listed(path)
+
+    monkeypatch.setattr(os, "scandir", refused)
+    assert main(["library", str(library), "-o", str(tmp_path / "out"), *QUICK, "--workers", "1"]) == 3
+    assert f'The folder "{library / "set_1"}" cannot be read: Permission denied.' in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_run_that_is_killed_between_arrays_and_row_leaves_no_row_of_former_arrays(library, tmp_path, monkeypatch):
     output, words = tmp_path / "out", ("--asset", "set_0/asset_0000.obj")
     compute(library, output)

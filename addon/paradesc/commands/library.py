@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NoReturn
 
 from .. import bridge
 from ..bridge import InputError
@@ -142,7 +143,7 @@ def found(folder: Path) -> Iterator[tuple[str, int]]:
     """The name of every asset below a folder, from there on and with slashes, and its size in bytes."""
     if not is_folder(folder):
         raise InputError(f'There is no folder "{folder}".')
-    for root, folders, names in os.walk(folder):
+    for root, folders, names in os.walk(folder, onerror=refuse_folder):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(names):
             path = Path(root, name)
@@ -151,6 +152,11 @@ def found(folder: Path) -> Iterator[tuple[str, int]]:
                 with suppress(OSError):
                     size = path.stat().st_size
                 yield path.relative_to(folder).as_posix(), size
+
+
+def refuse_folder(error: OSError) -> NoReturn:
+    """Refuses a library with a folder that cannot be read, whose assets would be missing."""
+    raise InputError(f'The folder "{error.filename}" cannot be read: {error.strerror}.') from error
 
 
 def work_of(arguments: argparse.Namespace, settings: job.Settings, workers: int) -> Work:
