@@ -175,9 +175,8 @@ def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], war
                 )
             share, places = field["undefined_vertices"] / max(len(one.results.coverage), 1), one.results.settings.domain
             if most is not None and not share <= most:
-                failed.append(
-                    f'Of "{one.object_name}"{at}, {share:.4g} of the {places} are undefined; {most:g} are allowed.'
-                )
+                of_all = f"{share:.4g} of the {places} are undefined"
+                failed.append(f'In "{one.object_name}"{at}, {of_all}; {most:g} are allowed.')
     if arguments.fail_on_warnings and warnings:
         failed.append(f"There are warnings ({len(warnings)}): {warnings[0]}")
     return failed
