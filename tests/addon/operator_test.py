@@ -158,6 +158,19 @@ def test_report_lines_tell_the_last_run(sphere_object):
     assert "Memory: about " in text
 
 
+def test_the_last_run_says_which_values_the_ends_of_the_colors_are(sphere_object):
+    bpy.context.scene.paradesc.descriptors = {"cavity", "convexity", "principal_direction_max"}
+    bpy.ops.paradesc.bake()
+    mesh = sphere_object.data
+    stored = record.read(mesh)
+    black, white = stored["ranges"]["convexity"]
+    lines = report_panel.range_lines(mesh, stored)
+    assert f"Edge Wear: colors from {black:.3g} to {white:.3g}" in lines
+    assert [line.partition(":")[0] for line in lines] == ["Cavity", "Edge Wear"]
+    mesh.attributes.remove(mesh.attributes["cavity"])
+    assert [line.partition(":")[0] for line in report_panel.range_lines(mesh, stored)] == ["Edge Wear"]
+
+
 def test_labels_are_wrapped_without_losing_words():
     sentence = "One sentence that is much longer than the panel is wide, with averylongwordthatfitsnowhereatall."
     lines = drawing.wrapped(sentence, 20)

@@ -4,7 +4,8 @@ import bpy
 
 from ..scene import record, targets
 from ..settings.translation import label
-from .drawing import SettingsPanel, sentence_lines
+from ..show import recolor
+from .drawing import SettingsPanel, descriptor_words, sentence_lines
 
 # Mesh defects, each of which has a line if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
@@ -40,8 +41,9 @@ class PARADESC_PT_report(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, _settings: object) -> None:
         """Draws one line for each fact, then the notes. Warnings are under the bake button."""
         column = layout.column(align=True)
-        stored = stored_report(targets.first(context))
-        for fact in report_lines(stored):
+        target = targets.first(context)
+        stored = stored_report(target)
+        for fact in [*report_lines(stored), *range_lines(target.data, stored)]:
             sentence_lines(context, column, fact)
         for sentence in stored["notes"].splitlines():
             sentence_lines(context, column, sentence, "INFO")
@@ -86,6 +88,14 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         lines.append(label(cut).format(**field))
     lines += [label(line).format(**mesh) for name, line in DEFECTS if mesh.get(name)]
     return lines
+
+
+def range_lines(mesh: bpy.types.Mesh, stored: dict[str, dict]) -> list[str]:
+    """Lines about the values at both ends of the colors of each descriptor: a mask's legend reads from 0 to 1."""
+    line, ranges = label("{what}: colors from {low} to {high}"), stored["ranges"]
+    names = [name for name in recolor.baked_names(mesh) if name in ranges and not recolor.is_direction(name)]
+    ends = ((descriptor_words(name), *(f"{end:.3g}" for end in ranges[name])) for name in names)
+    return [line.format(what=what, low=low, high=high) for what, low, high in ends]
 
 
 classes = (PARADESC_PT_report,)
