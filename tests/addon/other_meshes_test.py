@@ -47,6 +47,15 @@ def test_pyvista_goes_in_and_gets_its_values(sphere, pyvista):
         paradesc.compute(pyvista.ImageData(dimensions=(3, 3, 3)).cast_to_unstructured_grid())
 
 
+def test_points_without_faces_are_refused_as_what_they_are(sphere, pyvista):
+    points = sphere[0]
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    cloud_of_open3d = type("PointCloud", (), {"points": points})()
+    for cloud in (pyvista.PolyData(points), trimesh.PointCloud(points), cloud_of_open3d):
+        with pytest.raises(InputError, match="Points without faces are no surface; make a mesh of them first"):
+            paradesc.compute(cloud)
+
+
 @pytest.mark.parametrize("stripped", [slice(None), slice(100, None)], ids=["all", "a part"])
 def test_triangle_strips_of_pyvista_are_faces(sphere, pyvista, stripped):
     points, quads, _ = sphere

@@ -18,6 +18,11 @@ LEGACY = (
     "make one that has by open3d.t.geometry.TriangleMesh.from_legacy(mesh)."
 )
 
+CLOUD = (
+    "Points without faces are no surface; make a mesh of them first, for example by Open3D's "
+    "TriangleMesh.create_from_point_cloud_poisson."
+)
+
 
 def kind_of(mesh: object) -> str:
     """The kind of a mesh: "open3d tensor", "open3d legacy", "trimesh", "polydata", "grid", or "" for none of these."""
@@ -50,6 +55,8 @@ def vertices_and_faces(mesh: object) -> tuple[object, object]:
             sentence = "The grid has cells that are no polygons"
             raise InputError(f"{sentence}; give its surface, for example extract_surface().")
         return mesh.points, vtk_polygons(mesh.cells)
+    if type(mesh).__name__ == "PointCloud":  # of trimesh and Open3D
+        raise InputError(CLOUD)
     return mesh, None
 
 
@@ -65,7 +72,10 @@ def polydata_faces(mesh: object) -> Polygons:
     """The polygons of a PolyData, and then the triangles of its strips."""
     listed = getattr(mesh, "strips", ())
     if not len(listed):
-        return vtk_polygons(mesh.faces)
+        found = vtk_polygons(mesh.faces)
+        if not len(found.sizes):
+            raise InputError(CLOUD)
+        return found
     strips = vtk_polygons(listed)
     triangles = triangles_of(strips.corner_vertices, strips.sizes)
     if not len(mesh.faces):
