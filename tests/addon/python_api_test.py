@@ -420,3 +420,15 @@ def test_the_manuals_code_runs(tmp_path, monkeypatch):
         if "open3d" not in code:
             exec(compile(code, str(PAGE), "exec"), names)
     assert (tmp_path / "directions.vtp").is_file()
+
+
+def test_curvature_of_ribbons_exists_as_far_as_the_manual_says():
+    x = np.linspace(0, 1, 201)
+    first = np.arange(200)
+    quads = np.stack([first, first + 1, first + 202, first + 201], axis=1)
+    for share, backend, exists in ((150, "cpu", True), (500, "cpu", False), (500, "reference", True)):
+        points = np.stack([np.tile(x, 2), np.repeat([0, 0.1 / share], 201), np.zeros(402)], axis=1)
+        found = paradesc.compute(points, quads, radius=0.1, radius_unit="absolute", backend=backend)["mean_curvature"]
+        assert np.isfinite(found).all() == exists
+        assert np.isnan(found).all() != exists
+    assert "thinner than about 1/200 of the radius" in (ADDON / "manual" / "reference.md").read_text(encoding="utf-8")
