@@ -109,7 +109,7 @@ def test_recolor_and_material_take_all_selected_meshes(baked):
     bpy.ops.paradesc.make_material(kind="flat")
     for target in (baked, other):
         assert np.ptp(colors_of(target)[0]) < 1e-3
-        assert target.data.materials[0].name.startswith("Paradesc mean_curvature")
+        assert target.data.materials[0].name.startswith("Paradesc Mean Curvature")
     assert len(bare.data.materials) == 0
     bpy.ops.paradesc.remove_material()
     assert not [item.name for item in bpy.data.materials if "Paradesc" in item.name]

@@ -196,6 +196,19 @@ def test_geometry_nodes_move_vertices_by_the_value_and_leave_undefined_ones():
     np.testing.assert_allclose(lengths, 2.0 + moved, atol=2e-3)  # coarse vertex normals are not quite radial
 
 
+def test_nodes_and_materials_are_named_as_the_panel_names_masks():
+    bpy.context.scene.paradesc.descriptors = {"convexity"}
+    target = add_sphere()
+    bpy.ops.paradesc.bake()
+    bpy.ops.paradesc.add_geometry_nodes(kind="swell")
+    bpy.ops.paradesc.add_geometry_nodes(kind="swell")
+    groups = {item.node_group.name for item in target.modifiers}
+    for kind in ("flat", "cavity"):
+        bpy.ops.paradesc.make_material(kind=kind)
+        assert target.active_material.name == {"flat": "Paradesc Edge Wear Flat", "cavity": "Paradesc Cavity"}[kind]
+    assert groups == {"Paradesc Swell by Edge Wear"}  # the second modifier shares the group of the first
+
+
 def test_geometry_nodes_keep_what_lies_above_a_value():
     target = baked_sphere()
     shown = recolor.stored_range(target.data, "mean_curvature")

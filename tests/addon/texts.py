@@ -30,7 +30,7 @@ PARTS = {
 }
 # Texts that Blender's files and programs read, that the command line says of arrays, and that nobody sees.
 NO_TEXTS = {
-    *("Paradesc", "Paradesc cavity", "Paradesc Cavity of mean_curvature", "Paradesc {0} by {1}", "{0} of {1}"),
+    *("Paradesc", "Paradesc Cavity", "Paradesc Cavity of mean_curvature", "Paradesc {0} by {1}", "{0} of {1}"),
     *("Paradesc unwrap", "paradesc live", "The native library is missing", "Paradesc's settings of one scene."),
     # how Python shows a profile
     *("{0} radii from {1} to {2}", "expected error {0}, the least, at the radius {1}", "{0} vertices, {1}: {2}"),

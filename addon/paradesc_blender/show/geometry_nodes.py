@@ -3,6 +3,7 @@
 import bpy
 
 from paradesc.bridge import InputError
+from paradesc.core import legend
 from paradesc.core.job import UNDEFINED_MASK
 
 from ..scene import record
@@ -25,7 +26,8 @@ def build(kind: str, name: str, low: float, high: float, mask: str = UNDEFINED_M
     mask: the attribute that is 1 where there is no value.
     """
     tree = append("node_groups", f"Paradesc {kind}")
-    tree.name = tree[MARK] = f"Paradesc {kind} by {name}"
+    tree[MARK] = f"Paradesc {kind} by {name}"
+    tree.name = f"Paradesc {kind.title()} by {legend.label(name)}"
     for node in tree.nodes:
         if node.bl_idname == "GeometryNodeInputNamedAttribute":
             node.inputs["Name"].default_value = name if node.label == "Value" else mask

@@ -3,6 +3,7 @@
 import bpy
 
 from paradesc.bridge import InputError
+from paradesc.core import legend
 
 from ..scene import mesh_io, record
 from ..scene.node_groups import MARK, add_node, linked
@@ -27,8 +28,8 @@ def new_material(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Materi
     """
     is_cavity = kind == "cavity"
     group, settings = cavity_group(mesh) if is_cavity else (None, {})
-    end = " flat" if kind == "flat" else ""
-    material = bpy.data.materials.new("Paradesc cavity" if is_cavity else f"Paradesc {name}{end}")
+    end = " Flat" if kind == "flat" else ""
+    material = bpy.data.materials.new("Paradesc Cavity" if is_cavity else f"Paradesc {legend.label(name)}{end}")
     if material.node_tree is None:  # never since Blender 5
         material.use_nodes = True
     material[DESCRIPTOR], material[MARK] = "cavity" if is_cavity else name, "material"
