@@ -119,7 +119,7 @@ def package(output: Path, libraries: dict[str, list[Path]], is_release: bool, we
         older = {name: files for name, files in libraries.items() if name not in ONLY_EXTENSIONS}
         stage_legacy(Path(work) / "legacy", older, website)
         write_zip(Path(work) / "legacy", zips[0])
-        _, *made = wheels.package(Path(work) / "wheels", libraries, wheels.TAGS if is_release else {})
+        _, *made = wheels.package(Path(work) / "wheels", libraries, wheels.TAGS if is_release else {}, website)
         for platform, wheel in zip(libraries, made, strict=True):
             source = Path(work) / platform
             stage_extension(source, platform, wheel, website)

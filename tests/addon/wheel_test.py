@@ -4,6 +4,8 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
+import zipfile
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from conftest import blender_program
 from paradesc import __version__
 from shapes import ADDON, ROOT
 
+WEBSITE = "https://example.org/paradesc"
 LIBRARIES = sorted((ADDON / "paradesc" / "lib").glob("*"))
 
 pytestmark = [
@@ -36,7 +39,8 @@ def programs(tmp_path_factory):
     """The folder of programs of an environment with the wheel, and with numpy by its path."""
     folder = tmp_path_factory.mktemp("wheel")
     script = ROOT / "native" / "cmake" / "wheels.py"
-    made = completed(sys.executable, script, "--output", folder / "wheels", "--files", *LIBRARIES)
+    words = ("--output", folder / "wheels", f"--website={WEBSITE}", "--files", *LIBRARIES)
+    made = completed(sys.executable, script, *words)
     assert made.returncode == 0, made.stdout + made.stderr
     (wheel,) = (folder / "wheels").glob("*.whl")
     completed(sys.executable, "-m", "venv", "--without-pip", folder / "venv")
@@ -68,3 +72,15 @@ def test_the_program_gives_the_exit_code(programs):
     assert (done.returncode, done.stdout) == (0, f"paradesc {__version__}\n")
     assert completed(programs / "paradesc", "list", "--quiet").returncode == 0
     assert completed(programs / "paradesc", "bake", "--wobble").returncode == 2
+
+
+def test_indexes_get_the_address_that_the_build_was_given(programs):
+    folder = programs.parents[1] / "wheels"
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
+        told = [archive.read(name).decode()]
+    with tarfile.open(sdist) as archive:
+        told.append(archive.extractfile(f"{sdist.name.removesuffix('.tar.gz')}/PKG-INFO").read().decode())
+    for metadata in told:
+        assert re.findall("^Project-URL: (.+)$", metadata, re.MULTILINE) == [f"Homepage, {WEBSITE}"]
