@@ -8,10 +8,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from carrying_test import bake, box, ours, shown, stock  # noqa: E402
 from export_test import enable, nearest, primitive  # noqa: E402
 
-from paradesc.core import color_maps  # noqa: E402
-from paradesc_blender.scene import carrying, mesh_io, scene_io  # noqa: E402
+from paradesc.core import color_maps, source_kinds  # noqa: E402
+from paradesc_blender.scene import carrying, mesh_io, scene_io, targets  # noqa: E402
 from paradesc_blender.show import recolor  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, saved_scene, subdivide  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, saved_scene, select, subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -46,6 +46,82 @@ def test_objects_of_a_file_come_without_carriers_in_the_scene(tmp_path):
     assert sorted(item.name for item in bpy.context.scene.objects) == ["box", "sphere"]
     assert len(ours(found)) == 1
     assert len(shown(found, "convexity")) == len(carrying.carrier_of(found).vertices)
+
+
+@pytest.mark.parametrize("way", ["append", "paste"])
+def test_an_object_that_is_appended_or_pasted_brings_no_carrier_into_the_scene(tmp_path, way):
+    box()
+    bake("convexity")
+    expected = shown(bpy.context.object, "convexity")
+    if way == "append":
+        path = saved_scene(tmp_path / "file.blend")
+        empty_scene()
+        bpy.context.view_layer.update()
+        bpy.ops.wm.append(directory=f"{path}/Object/", filename="box")
+    else:
+        select(bpy.context.object)
+        bpy.ops.view3d.copybuffer()
+        bpy.ops.view3d.pastebuffer()
+    bpy.context.view_layer.update()
+    there = list(bpy.context.scene.objects)
+    assert sorted(item.name for item in there) == (["box"] if way == "append" else ["box", "box.001"])
+    for item in there:
+        np.testing.assert_array_equal(shown(item, "convexity"), expected)
+    select(*there)
+    before = stock()
+    bake("convexity")
+    assert stock() == before
+
+
+def test_a_carrier_that_somebody_puts_into_the_scene_stays_and_is_not_measured(tmp_path):
+    target = box()
+    bake("convexity")
+    carrier = carrying.held_by(ours(target)[0].node_group)
+    bpy.context.scene.collection.objects.link(carrier)
+    bpy.ops.mesh.primitive_cube_add()
+    select(target, carrier)
+    assert targets.chosen(bpy.context) == [target]
+    bake("cavity")
+    bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "file.blend")))
+    bpy.ops.mesh.primitive_cube_add()
+    assert "box Values" in bpy.context.scene.objects
+
+
+def made_local(folder):
+    """The box of another file with a bake, linked and made local."""
+    box()
+    bake("convexity")
+    path = saved_scene(folder / "box.blend")
+    empty_scene()
+    with bpy.data.libraries.load(str(path), link=True) as (_there, here):
+        here.objects = ["box"]
+    bpy.context.scene.collection.objects.link(here.objects[0])
+    select(here.objects[0])
+    assert bpy.ops.paradesc.make_local() == {"FINISHED"}
+    return bpy.context.view_layer.objects.active
+
+
+@pytest.mark.parametrize("source", [source_kinds.AUTOMATIC, source_kinds.ORIGINAL])
+def test_a_linked_object_that_is_made_local_shows_its_next_bake(tmp_path, source):
+    target = made_local(tmp_path)
+    before = shown(target, "convexity")
+    bake("convexity", source=source)
+    expected = [item.name for item in target.modifiers if item.type != "NODES"]
+    expected += [carrying.MODIFIER] if source == source_kinds.AUTOMATIC else []
+    assert [item.name for item in target.modifiers] == expected
+    assert len(shown(target, "convexity")) == len(before)
+    assert np.array_equal(shown(target, "convexity"), before) == (source == source_kinds.AUTOMATIC)
+    assert all(item.library is None for item in [carrying.carrier_of(target)] if item is not None)
+
+
+def test_colors_of_a_linked_bake_that_is_made_local_are_made_on_a_carrier_of_this_file(tmp_path):
+    target = made_local(tmp_path)
+    bpy.context.scene.paradesc_looks.color_map = "viridis"
+    assert bpy.ops.paradesc.recolor() == {"FINISHED"}
+    colors = shown(target, "convexity_color")
+    assert np.ptp(colors[:, 0]) != np.ptp(colors[:, 2])
+    bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "other.blend")))
+    np.testing.assert_array_equal(shown(bpy.context.view_layer.objects.active, "convexity_color"), colors)
 
 
 def test_gltf_gets_the_colors_of_the_evaluated_mesh(tmp_path):

@@ -298,18 +298,52 @@ def test_a_carrier_that_somebody_uses_stays_as_it_is():
     assert len(ours(target)) == 1
 
 
-def test_a_copy_keeps_what_it_shows_when_the_first_is_baked_again():
-    target = box()
-    bake("convexity")
+def copied(target):
+    """A copy with its own mesh, as Duplicate Objects makes it: its modifier has the nodes of the first."""
     copy = target.copy()
     copy.data = target.data.copy()
     bpy.context.collection.objects.link(copy)
+    return copy
+
+
+def test_a_copy_keeps_what_it_shows_when_the_first_is_baked_again():
+    target = box()
+    bake("convexity")
+    copy = copied(target)
     before = shown(copy, "convexity")
     select(target)
     target.modifiers["BEVEL"].segments = 5
     bake("convexity")
     np.testing.assert_array_equal(shown(copy, "convexity"), before)
     assert len(shown(target, "convexity")) > len(before)
+
+
+@pytest.mark.parametrize("stack", ["bevel", "subdivision"])
+def test_live_values_of_a_copy_leave_those_of_the_first_alone(stack):
+    target = box(stack)
+    bake("convexity")
+    before = [shown(target, name) for name in ("convexity", "convexity_color")]
+    copy = copied(target)
+    for vertex in copy.data.vertices:
+        vertex.co.z *= 3.0
+    bpy.context.view_layer.update()
+    assert switch(copy) == ""
+    assert not np.array_equal(shown(copy, "convexity"), before[0])
+    for name, values in zip(("convexity", "convexity_color"), before, strict=True):
+        np.testing.assert_array_equal(shown(target, name), values)
+
+
+def test_other_colors_of_a_copy_leave_those_of_the_first_alone():
+    target = box()
+    bake("convexity")
+    before = shown(target, "convexity_color")
+    select(copied(target))
+    for color_map in ("viridis", "heat"):  # the second needs no further carrier
+        bpy.context.scene.paradesc_looks.color_map = color_map
+        assert bpy.ops.paradesc.recolor() == {"FINISHED"}
+    np.testing.assert_array_equal(shown(target, "convexity_color"), before)
+    assert not np.array_equal(shown(bpy.context.object, "convexity_color"), before)
+    assert stock() == (4, 4, 2)
 
 
 def test_objects_that_share_a_mesh_show_the_same():

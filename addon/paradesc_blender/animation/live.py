@@ -193,7 +193,7 @@ class Session:
         read, names, mesh = self.done.read, values.names(self.painter.at), carrying.carrier_of(target)
         arrays = read.arrays
         counts = (len(arrays.positions), len(arrays.corner_vertices))
-        fits = mesh is not None and painting.has_all(mesh, names)
+        fits = carrying.own_group(target) is not None and painting.has_all(mesh, names)  # copies may share a group
         fits = fits and counts == carrying.counts_of(carrying.modifier_of(target).node_group)
         if rendering and not fits:
             if read.own:

@@ -33,9 +33,10 @@ COUNTS = ("Point Count", "Face Corner Count")
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Returns whether a modifier is our carrying modifier with its nodes as we left them."""
+    """Returns whether a modifier is our carrying modifier with its nodes as we left them, and can be removed."""
     group = modifier.node_group if modifier.type == "NODES" else None
-    return group is not None and is_own(group)
+    is_fixed = modifier.id_data.override_library is not None and modifier.is_override_data
+    return group is not None and is_own(group) and not is_fixed
 
 
 def is_own(group: bpy.types.NodeTree) -> bool:
@@ -44,8 +45,8 @@ def is_own(group: bpy.types.NodeTree) -> bool:
 
 
 def is_left(group: bpy.types.NodeTree) -> bool:
-    """Returns whether a node group is ours and nobody has edited it."""
-    return group.get(MARK) == KIND and group.library is None and group.get(LEFT) == structure(group)
+    """Returns whether a node group is ours and nobody has edited it. It may be linked from another file."""
+    return group.get(MARK) == KIND and group.get(LEFT) == structure(group)
 
 
 def is_carrier(item: bpy.types.Object | None) -> bool:
@@ -68,6 +69,16 @@ def carrier_of(target: bpy.types.Object) -> bpy.types.Mesh | None:
 def held_by(group: bpy.types.NodeTree) -> bpy.types.Object | None:
     """The carrier from which a group reads its values; None if it was deleted."""
     return group.nodes[CARRIER].inputs["Object"].default_value
+
+
+def own_carrier(target: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh of the object's carrier, which must exist. If copies with other meshes use it too, a copy replaces it."""
+    mesh = carrier_of(target)
+    if own_group(target) is None:
+        group, mesh = modifier_of(target).node_group, mesh.copy()
+        mesh.name = f"{target.name} {CARRIER}"
+        carry(target, mesh, counts_of(group), looks_up_places(group))
+    return mesh
 
 
 def carried_names(target: bpy.types.Object) -> list[str]:
@@ -125,6 +136,11 @@ def counts_of(group: bpy.types.NodeTree) -> tuple[int, int]:
     return points, corners
 
 
+def looks_up_places(group: bpy.types.NodeTree) -> bool:
+    """Returns whether a group takes values of the nearest places, because modifiers lose own vertices."""
+    return any(node.bl_idname == NEAREST for node in group.nodes)
+
+
 def place(target: bpy.types.Object, group: bpy.types.NodeTree) -> None:
     """Makes our modifier with this group the object's last one, visible, and the only one of ours."""
     for modifier in [item for item in target.modifiers if is_ours(item)]:
@@ -150,7 +166,7 @@ def release(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
             held = held.copy() if own_group(target) is None else held
             for name in gone:
                 held.attributes.remove(held.attributes[name])
-            carry(target, held, counts_of(group), any(node.bl_idname == NEAREST for node in group.nodes))
+            carry(target, held, counts_of(group), looks_up_places(group))
     sweep()
 
 
@@ -165,7 +181,7 @@ def sharing(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:
 def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
     """The group with the object's values, if only objects with its mesh use it, and nothing else its carrier."""
     modifier = modifier_of(target)
-    if modifier is None:
+    if modifier is None or modifier.node_group.library is not None:
         return None
     group = modifier.node_group
     used = sum(
@@ -177,7 +193,7 @@ def own_group(target: bpy.types.Object) -> bpy.types.NodeTree | None:
 
 def sweep() -> None:
     """Removes our groups that no modifier uses any more, with their carriers unless those are used otherwise."""
-    for group in [one for one in bpy.data.node_groups if not one.users and is_own(one)]:
+    for group in [one for one in bpy.data.node_groups if not one.users and one.library is None and is_own(one)]:
         carrier = held_by(group)
         bpy.data.node_groups.remove(group)
         if carrier is not None and carrier.users == 0:

@@ -8,7 +8,7 @@ from paradesc.bridge import InputError, ParadescError, abi
 from paradesc.core import job, source_kinds, spaces
 from paradesc.files.reading import Read, ReadRequest
 
-from . import mesh_io, source_meshes, surface_maps
+from . import carrying, mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
 # The types of objects with a surface that must be converted to a mesh first.
@@ -32,12 +32,17 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     selected = getattr(context, "selected_objects", None)  # a script may have put them there; handlers have none
     if selected is None:
         selected = context.view_layer.objects.selected
-    found = [item for item in selected if item.type == "MESH"]
+    found = [item for item in selected if is_measured(item)]
     if not found and active is not None:
         carried = [active] if active.type == "MESH" else [*active.children_recursive]
-        meshes = [item for item in carried if item.type == "MESH"]
+        meshes = [item for item in carried if is_measured(item)]
         return meshes if len(meshes) == 1 else []
     return sorted(found, key=lambda item: item != active)
+
+
+def is_measured(item: bpy.types.Object) -> bool:
+    """Returns whether an object is a mesh, and not one of ours that only holds values."""
+    return item.type == "MESH" and not carrying.is_carrier(item)
 
 
 def first(context: bpy.types.Context) -> bpy.types.Object | None:

@@ -112,6 +112,7 @@ def whole_mesh(target: bpy.types.Object, name: str) -> bpy.types.Mesh:
 def recolor_object(target: bpy.types.Object, name: str, look: color_maps.Look) -> None:
     """Makes a descriptor's colors again on the object's own mesh and on its carrier, which determines the range."""
     whole = whole_mesh(target, name)
+    whole = whole if whole == target.data else carrying.own_carrier(target)
     shown = recolor(whole, name, look)
     if whole != target.data:
         recolor(target.data, name, replace(look, ranges={registry_name(name): (shown.minimum, shown.maximum)}))
