@@ -239,8 +239,30 @@ def steps(target, screenshot: str) -> Iterator[None]:
     yield
     yield from in_edit_mode(first)
     yield from sculpted(first)
+    yield from first_mask(first)
     yield from masked(first)
     say("all steps passed")
+
+
+def first_mask(name: str) -> Iterator[None]:
+    """Masks a mesh without a mask after a bake in sculpt mode; Blender 3 would crash where redo comes to such a mask."""
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="SCULPT")
+    yield
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    yield
+    assert sculpt_masks.values(bpy.data.objects[name].data) is None
+    run_in_view(bpy.ops.paradesc.mask_from_shape, "EXEC_DEFAULT", True, mask="openness")
+    yield
+    expected = sculpt_masks.values(bpy.data.objects[name].data)
+    for operator, is_there in ((bpy.ops.ed.undo, False), (bpy.ops.ed.redo, True)):
+        run_in_view(operator)
+        yield
+        assert sculpt_masks.is_painted(bpy.data.objects[name].data) == is_there
+    np.testing.assert_allclose(sculpt_masks.values(bpy.data.objects[name].data), expected, atol=1e-6)
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="OBJECT")
+    yield
+    say("a first mask undone and redone")
 
 
 def masked(name: str) -> Iterator[None]:

@@ -46,6 +46,10 @@ def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
         with modes.object_mode(target):
             write(target, weights)
         return
+    if storage(mesh) is None and not IS_ATTRIBUTE:
+        # Blender 3 crashes if redo comes to a mask whose storage the step before does not have.
+        bpy.ops.paint.mask_flood_fill(mode="VALUE", value=0.0)
+        bpy.ops.ed.undo_push(message="Before Mask from Shape")
     # Adds a step with the former mask to sculpt mode's own undo stack, and creates the mask's storage.
     bpy.ops.paint.mask_flood_fill(mode="INVERT")
     write(target, weights)
