@@ -140,6 +140,23 @@ def strokes_are_followed(name: str) -> Iterator[None]:
     say("values followed a stroke and its undo")
 
 
+def wear_is_shown(name: str) -> Iterator[None]:
+    """Adds wear after a bake, undoes it and redoes it: the viewport shows materials, the bake, and materials again."""
+    shading = view_context()["area"].spaces[0].shading
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    run_in_view(bpy.ops.paradesc.add_wear, "EXEC_DEFAULT", True)
+    yield
+    assert shading.type == "MATERIAL"
+    for operator, kind in ((bpy.ops.ed.undo, "SOLID"), (bpy.ops.ed.redo, "MATERIAL"), (bpy.ops.ed.undo, "SOLID")):
+        yield from step_back(operator)
+        assert shading.type == kind, shading.type
+    assert is_plain(), shown()
+    assert bpy.data.objects[name].active_material is None
+    run_in_view(bpy.ops.paradesc.restore_shading)
+    say("wear is shown, undone and redone")
+
+
 def masks_are_seen(name: str) -> Iterator[None]:
     """Writes sculpt mode's mask, whose shade is not seen on the black of a bake."""
     bpy.data.objects[name].paradesc_live.follows = False
@@ -159,6 +176,7 @@ def steps(name: str) -> Iterator[None]:
     bpy.ops.ed.undo_push(message="settings")
     yield
     yield from bakes_are_shown(name)
+    yield from wear_is_shown(name)
     yield from strokes_are_followed(name)
     yield from masks_are_seen(name)
     say("all steps passed")

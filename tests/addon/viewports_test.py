@@ -134,13 +134,43 @@ def test_a_viewport_that_was_split_off_is_known_at_the_next_bake_and_one_that_is
     assert screen.lights()[-2:] == ["STUDIO", "MATCAP"]
 
 
-def test_undo_of_something_else_leaves_materials_that_are_shown(registered):
-    target = add_sphere("ball")
+def worn():
+    """A sphere with a material in which our wear is; the material and the node."""
     material = bpy.data.materials.new("worn")
     material.use_nodes = True
-    target.data.materials.append(material)
+    add_sphere("ball").data.materials.append(material)
     node = material.node_tree.nodes.new("ShaderNodeGroup")
     node.node_tree = node_groups.new_group("ShaderNodeTree", "Paradesc Wear")
+    return material, node
+
+
+def test_undo_of_wear_makes_viewports_solid_again_though_the_bake_before_stays_shown(registered, monkeypatch):
+    material, node = worn()
+    mesh = bpy.context.object.data
+    mesh.attributes.new("cavity_color", "FLOAT_COLOR", "POINT")
+    record.write(mesh, {}, {}, {}, ["cavity_color"])
+    mesh.color_attributes.active_color = mesh.color_attributes["cavity_color"]
+    screen = Screen()
+    screen.name = "Layout"
+    types = [shading for _, shading in viewports.shadings(screen)]
+    types[0].type = types[1].type = "MATERIAL"
+    screen[viewports.SOLID_BEFORE], screen[viewports.KNOWN] = [0], [0, 2, 3]
+    window = SimpleNamespace(view_layer=bpy.context.view_layer, screen=screen)
+    manager = SimpleNamespace(windows=[window])
+    monkeypatch.setattr(viewports, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=manager)))
+    viewports.before_undo()
+    viewports.on_undo()  # of something else
+    assert [one.type for one in types] == ["MATERIAL", "MATERIAL", "SOLID"]
+    viewports.before_undo()
+    material.node_tree.nodes.remove(node)
+    viewports.on_undo()
+    assert [one.type for one in types] == ["SOLID", "MATERIAL", "SOLID"]  # the second one was not ours
+    assert screen[viewports.UNWORN] == [0]
+    assert viewports.SOLID_BEFORE not in screen
+
+
+def test_undo_of_something_else_leaves_materials_that_are_shown(registered):
+    material, node = worn()
     window = SimpleNamespace(view_layer=bpy.context.view_layer, screen={viewports.SOLID_BEFORE: [0]})
     assert viewports.shows_ours(window)
     material.node_tree.nodes.remove(node)

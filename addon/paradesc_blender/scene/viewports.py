@@ -21,6 +21,8 @@ SOLID_BEFORE = "paradesc_solid_before"
 KNOWN = "paradesc_viewports"
 # The custom property, in the form of FORMER, with shadings that undo has taken away, for redo or another radius.
 UNDONE = "paradesc_undone"
+# The custom property with the numbers of viewports whose materials undo has taken away, for redo.
+UNWORN = "paradesc_unworn"
 ATTRIBUTES = "VERTEX"
 # Highlights, shadows and Blender's own cavity shading would be mistaken for values.
 PLAIN = {"color_type": ATTRIBUTES, "light": "FLAT", "show_cavity": False, "show_shadows": False}
@@ -131,6 +133,8 @@ def reveal_materials(context: bpy.types.Context) -> None:
             shading.type = "MATERIAL"
     if numbers:
         context.screen[SOLID_BEFORE] = sorted(numbers)
+    if UNWORN in context.screen:
+        del context.screen[UNWORN]
 
 
 def can_restore(context: bpy.types.Context) -> bool:
@@ -161,21 +165,61 @@ def yield_to_mask(context: bpy.types.Context) -> None:
 # ---- Undo
 
 
+def visible_meshes(window: bpy.types.Window) -> list[bpy.types.Object]:
+    """The mesh objects that a window shows."""
+    layer = window.view_layer  # not that of the context, where another window shows another scene
+    return [item for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)]
+
+
+def has_materials(window: bpy.types.Window) -> bool:
+    """Tells whether a visible mesh in the window has a material with nodes of ours."""
+    slots = (slot for item in visible_meshes(window) for slot in item.material_slots)
+    materials = {slot.material for slot in slots if slot.material is not None}
+    return any(node_groups.nodes_of_ours(one.node_tree) for one in materials)
+
+
+def shows_materials(window: bpy.types.Window) -> bool:
+    """Tells whether it does, and was made to show materials for them."""
+    return SOLID_BEFORE in window.screen and has_materials(window)
+
+
 def shows_ours(window: bpy.types.Window) -> bool:
     """Tells whether a visible mesh in the window has active colors from a bake, or a material that a bake made."""
-    layer = window.view_layer  # not that of the context, where another window shows another scene
-    visible = [item for item in layer.objects if item.type == "MESH" and item.visible_get(view_layer=layer)]
-    active = ((item.data, item.data.color_attributes.active_color) for item in visible)
+    active = ((item.data, item.data.color_attributes.active_color) for item in visible_meshes(window))
     if any(color is not None and color.name in record.attributes_of(mesh) for mesh, color in active):
         return True
-    materials = {slot.material for item in visible for slot in item.material_slots if slot.material is not None}
-    return SOLID_BEFORE in window.screen and any(node_groups.nodes_of_ours(one.node_tree) for one in materials)
+    return shows_materials(window)
+
+
+def hide_materials(screen: bpy.types.Screen) -> None:
+    """Makes the viewports solid again that were so before they showed materials."""
+    settle(screen)
+    numbers = list(screen.get(SOLID_BEFORE, []))
+    for number, shading in shadings(screen):
+        if int(number) in numbers and shading.type == "MATERIAL":
+            shading.type = "SOLID"
+    screen[UNWORN] = numbers
+    for name in (SOLID_BEFORE, *(() if FORMER in screen else (KNOWN,))):
+        if name in screen:
+            del screen[name]
+
+
+_worn: list[str] = []  # the names of the screens that showed materials of ours when undo began
+
+
+@persistent
+def before_undo(*_ignored: object) -> None:
+    """Notes which screens show materials of ours."""
+    windows = bpy.context.window_manager.windows
+    _worn[:] = [window.screen.name for window in windows if shows_materials(window)]
 
 
 @persistent
 def on_undo(*_ignored: object) -> None:
-    """Restores the shading from before the bake that was undone."""
+    """Restores the shading from before the bake, or from before the wear, that was undone."""
     for window in bpy.context.window_manager.windows:
+        if window.screen.name in _worn and not shows_materials(window):
+            hide_materials(window.screen)
         if (FORMER in window.screen or SOLID_BEFORE in window.screen) and not shows_ours(window):
             shown = [(number, one) for number, one in shadings(window.screen) if one.color_type == ATTRIBUTES]
             window.screen[UNDONE] = {number: look_of(one) for number, one in shown}
@@ -184,12 +228,14 @@ def on_undo(*_ignored: object) -> None:
 
 @persistent
 def on_redo(*_ignored: object) -> None:
-    """Makes viewports show the colors again that redo has restored."""
+    """Makes viewports show the colors, or the materials, that redo has restored."""
     for window in bpy.context.window_manager.windows:
-        if UNDONE in window.screen and shows_ours(window):
-            with bpy.context.temp_override(window=window):
+        with bpy.context.temp_override(window=window):
+            if UNDONE in window.screen and shows_ours(window):
                 reveal(bpy.context)
+            if UNWORN in window.screen and has_materials(window):
+                reveal_materials(bpy.context)
 
 
-HANDLERS = {"undo_post": on_undo, "redo_post": on_redo}
+HANDLERS = {"undo_pre": before_undo, "undo_post": on_undo, "redo_post": on_redo}
 classes = ()
