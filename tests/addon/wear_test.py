@@ -211,6 +211,25 @@ def test_nodes_that_somebody_has_added_since_still_show(target):
 # ---- Without a material
 
 
+def test_a_look_reads_the_masks_where_the_bake_left_them(target):
+    target.data.attributes.new("cavity", "FLOAT", "FACE")
+    target.data.attributes.new("convexity_color", "BYTE_COLOR", "CORNER")
+    other = add_sphere("other", steps=8)
+    select(other, target)
+    add_wear()
+    for item, end in ((target, "_2"), (other, "")):
+        read = [node.attribute_name for node in wear.vertex_masks(item.active_material)]
+        assert sorted(read) == [f"cavity{end}_color", f"convexity{end}_color"]
+        assert set(read) <= set(item.data.color_attributes.keys())
+    materials = [target.active_material, other.active_material]
+    add_wear()
+    add_wear(look="OLD_STONE")
+    assert len({target.active_material, other.active_material, *bpy.data.materials}) == 2
+    assert materials[0] != materials[1]
+    assert bpy.ops.paradesc.remove_wear() == {"FINISHED"}
+    assert len(bpy.data.materials) == 0
+
+
 def test_objects_without_a_material_share_painted_metal_which_goes_again(target):
     other = add_sphere("other", steps=8)
     select(other, target)

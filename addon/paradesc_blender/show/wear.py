@@ -179,10 +179,15 @@ def mask_source(
     tree: bpy.types.NodeTree, mesh: bpy.types.Mesh, descriptor: str, place: tuple[float, float]
 ) -> bpy.types.NodeSocket:
     """The output of a node that gives a mask between 0 and 1, from the grey color attribute of a bake."""
-    name = f"{record.attribute_of(mesh, descriptor)}_color"
+    name = mask_name(mesh, descriptor)
     node = add_node(tree, "ShaderNodeAttribute", place, attribute_name=name, label=name)
     node[OF_VERTICES] = descriptor
     return node.outputs["Color"]
+
+
+def mask_name(mesh: bpy.types.Mesh, descriptor: str) -> str:
+    """The color attribute with a mask of a mesh; it has a number in its name if the usual name was taken."""
+    return f"{record.attribute_of(mesh, descriptor)}_color"
 
 
 def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Object) -> None:
@@ -199,13 +204,16 @@ def fit(material: bpy.types.Material, node: bpy.types.Node, target: bpy.types.Ob
 
 
 def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
-    """Gives an object without material one of the looks. Objects with vertex masks share one material."""
+    """Gives an object without material one of the looks. Objects with vertex masks of the same names share one."""
     local = [item for item in bpy.data.materials if item.library is None]
     ours = [item for item in local if item.get(MARK) == name and tuned.is_as_left(item)]
-    material = next((item for item in ours if not any(node.type == "TEX_IMAGE" for node in item.node_tree.nodes)), None)
+    masks = {descriptor: mask_name(target.data, descriptor) for descriptor in MASKS.values()}
+    material = next((item for item in ours if reads_only(item, masks)), None)
     if material is None or of_images:
         material = append("materials", name)
         material[MARK] = name
+        for node in vertex_masks(material):
+            node.attribute_name = node.label = masks[node[OF_VERTICES]]
         fit(material, own_nodes(material.node_tree, GROUP)[0], target)
         tuned.leave(material)
     target.data.pop(OWN_SLOT, None)  # left from a slot that somebody has removed
@@ -213,6 +221,17 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
         target.data[OWN_SLOT] = True
     target.active_material = material
     return f'"{target.name}" had no material, and now has "{material.name}".'
+
+
+def vertex_masks(material: bpy.types.Material) -> list[bpy.types.Node]:
+    """The nodes of ours that give a mask from vertex values."""
+    return [node for node in material.node_tree.nodes if OF_VERTICES in node]
+
+
+def reads_only(material: bpy.types.Material, masks: dict[str, str]) -> bool:
+    """Returns whether a material has no image, and takes its masks from these attributes, named by descriptor."""
+    right = all(node.attribute_name == masks[node[OF_VERTICES]] for node in vertex_masks(material))
+    return right and not any(node.type == "TEX_IMAGE" for node in material.node_tree.nodes)
 
 
 def is_other_look(material: bpy.types.Material, name: str) -> bool:
