@@ -169,3 +169,16 @@ def test_obj_carries_the_active_color_on_request(baked, tmp_path):
     empty_scene()
     bpy.ops.wm.obj_import(filepath=path)
     np.testing.assert_allclose(attribute_values(imported().data, "Color"), colors, atol=1e-3)  # four digits
+
+
+@pytest.mark.skipif(not bpy.app.build_options.alembic, reason="this Blender was built without Alembic")
+def test_alembic_carries_the_corner_colors_alone(baked, tmp_path):
+    path = str(tmp_path / "a.abc")
+    colors = mesh_io.read_array(baked.data.attributes["mean_curvature_corner_color"].data, "color", np.float32, 4)
+    bpy.ops.wm.alembic_export(filepath=path, vcolors=True, as_background_job=False)
+    empty_scene()
+    bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
+    (found,) = imported().data.color_attributes
+    assert (found.name, found.data_type, found.domain) == ("mean_curvature_corner_color", "BYTE_COLOR", "CORNER")
+    read = mesh_io.read_array(found.data, "color", np.float32, 4)
+    np.testing.assert_allclose(np.sort(read, axis=0), np.sort(colors, axis=0), atol=0.01)  # 8 bits, corners in any order
