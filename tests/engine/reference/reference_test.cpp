@@ -203,6 +203,19 @@ TEST(Reference, ball_around_everything_sees_everything) {
   expect_each_near(values.columns[0], area, 2e-7 * area); // float results
 }
 
+// The ball around the middle of a prism's cap just meets the sides. Beyond r along the surface lies no more of a side than what
+// the ball cuts out of it.
+TEST(Reference, no_more_than_the_area_in_the_ball_lies_beyond_the_radius_along_the_surface) {
+  constexpr int sides = 24;
+  const Subject subject(prism(sides), PDESC_NORMALS_MAX);
+  const auto &positions = subject.triangles.positions;
+  const auto middle = static_cast<size_t>(std::ranges::find(positions, vec3(0, 0, 1)) - positions.begin());
+  ASSERT_LT(middle, positions.size());
+  const Values values = measure(subject, 1.0002 * std::cos(pi / sides), {"geodesic_area", "euclidean_area"});
+  // Normals turn towards the rim, so the strip there takes 2 % of the area. It took a fifth.
+  EXPECT_NEAR(values.columns[0][middle] / values.columns[1][middle], 0.98f, 0.01f);
+}
+
 TEST(Reference, only_the_connected_sheet_counts) {
   constexpr double r = 0.2;
   const TestMesh mesh = plane(1, 1, {.vertices = 2000});

@@ -97,9 +97,10 @@ template <class Wide> struct Adder {
     const Lanes bend = dot(normal * per_length - sums.center.normal, offset) * (1.0f / radius);
     const Lanes per_arc = seen.per_radius_of_arc(radius);
     const Lanes square = bend * bend * (1.0f / 24.0f), chord = min(part.chord * per_arc * per_arc, 4.0f);
-    // The strip has (r^2 - r^2 / (1 + square)^2) / 2 per unit of angle. The last factors are the angle of the chord.
-    return 0.5f * radius * radius * square * (2.0f + square) / ((1.0f + square) * (1.0f + square)) * fast_sqrt(chord) *
-           (1.0f + chord * (1.0f / 24.0f + 3.0f / 640.0f * chord));
+    // The strip has (r^2 - r^2 / (1 + square)^2) / 2 per unit of angle, at most all of the disk in which the sample's plane cuts
+    // the ball. The last factors are the angle of the chord.
+    const Lanes strip = 0.5f * radius * radius * square * (2.0f + square) / ((1.0f + square) * (1.0f + square));
+    return min(strip, 0.5f / (per_arc * per_arc)) * fast_sqrt(chord) * (1.0f + chord * (1.0f / 24.0f + 3.0f / 640.0f * chord));
   }
 
   [[gnu::always_inline]] Part clip_at(const Seen &seen, const Distances &distances, float radius) {

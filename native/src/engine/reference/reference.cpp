@@ -129,14 +129,14 @@ void add_whole_triangle(Moments &moments, const Center &center, const Patch &pat
 
 // At the ball's rim: the strip between the rim and the curve where the distance along the surface, s = rho (1 + (kappa
 // rho)^2/24), is r. Its area per angle around the foot of p on the triangle's plane is (r^2 - rho_s^2)/2, wherever that foot
-// lies.
-void add_strip(Moments &moments, const Center &center, const Patch &patch, double b, double c, double angle) {
+// lies, but at most that of the disk in which the plane cuts the ball. disc2: the squared radius of that disk.
+void add_strip(Moments &moments, const Center &center, const Patch &patch, double b, double c, double angle, double disc2) {
   const auto at = [&](const std::array<dvec3, 3> &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
   const dvec3 d = at(patch.corners), n = at(patch.normals);
   const double r = center.radius;
   const double bend = glm::dot(n / glm::length(n) - center.normal, d) / r;
   const double inner = r / (1 + bend * bend / 24);
-  const double area = 0.5 * (r * r - inner * inner) * angle;
+  const double area = 0.5 * std::min(r * r - inner * inner, disc2) * angle;
   moments.strip += area;
   if (center.geodesic_ball) add_barycentric(moments, center, patch, b, c, -area, 0.5 * (1 + inner / r));
 }
@@ -160,7 +160,7 @@ void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch
   });
   visit_arcs(region, rule, [&](dvec2 x, double angle) {
     const dvec2 from_a = x - corners[0];
-    add_strip(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, angle);
+    add_strip(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, angle, disc2);
   });
 }
 
