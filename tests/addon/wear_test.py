@@ -158,6 +158,10 @@ def test_of_several_slots_the_active_one_wears(target):
     add_wear()
     assert everything_in(first) == before
     assert len(wear_nodes(second)) == 1
+    sentence = "has materials without wear: 1. Make the slot of one active to add it there, too."
+    assert wear.add(target) == [f'"{target.name}" {sentence}']
+    target.active_material_index = 0
+    assert wear.add(target) == []
 
 
 def test_a_material_that_the_object_itself_has_wears(target):
