@@ -249,11 +249,13 @@ def test_openjd_runs_a_library_and_goes_on_where_it_was_killed(tmp_path, program
     assert main(["tasks", "library", str(library), "--chunk", "6", *rest]) == 0
     words += [str(bundle / "template.yaml"), *parameters(bundle), "--step", "Listing", "--run-dependencies"]
     killed = subprocess.Popen(words, env=process_environment(), stdout=subprocess.DEVNULL, start_new_session=True)
-    waited_for(lambda: len(list(output.rglob("*.npz"))) >= 4)
+    rows = (output / "results").rglob  # an asset is kept if its row is there; the arrays come first
+    waited_for(lambda: len(list(rows("*.json"))) >= 4)
     os.killpg(killed.pid, signal.SIGKILL)
     killed.wait()
     waited_for(lambda: no_process_of(output))
-    before = {path: path.stat().st_mtime_ns for path in output.rglob("*.npz")}
+    kept = [path.with_suffix(".npz") for path in rows("*.json")]
+    before = {path: path.stat().st_mtime_ns for path in kept}
     assert 4 <= len(before) < 24
     said = done(words)
     assert "openjd_progress: 100.0" in said
