@@ -129,19 +129,19 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     connect(material, node, {} if of_images else MASKS, target.data)
     if is_new or look:
         dress(node, look_values(material.node_tree, look or AS_IS))
-    notes = [note for note in [others_note(target)] if note]
+    notes = notes_on_others(target)
     kept = tuned_inputs(node) if look else []
     if kept:
         notes.append(f'The wear of "{material.name}" keeps the values that you tuned: {", ".join(kept)}.')
     return notes
 
 
-def others_note(target: bpy.types.Object) -> str:
-    """A sentence about materials of an object that have no wear yet, or nothing."""
+def notes_on_others(target: bpy.types.Object) -> list[str]:
+    """A sentence about materials of an object that have no wear yet, if there are any."""
     others = {slot.material for slot in target.material_slots if slot.material and not has_wear(slot.material)}
     if not others:
-        return ""
-    return f'"{target.name}" has materials without wear: {len(others)}. Make the slot of one active to add it there, too.'
+        return []
+    return [f'"{target.name}" has materials without wear: {len(others)}. Make the slot of one active to add it there, too.']
 
 
 def give_nodes(material: bpy.types.Material) -> None:

@@ -1,6 +1,7 @@
 // Vectors for the whole library. Only this file includes GLM.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -38,7 +39,7 @@ template <class V> V unit_or(const V &v, const V &otherwise) {
 
 // 0 for t <= 0, 1 for t >= 1.
 inline double smooth_step(double t) {
-  const double inside = t > 0 ? (t < 1 ? t : 1) : 0;
+  const double inside = std::clamp(t, 0.0, 1.0);
   return inside * inside * (3 - 2 * inside);
 }
 
