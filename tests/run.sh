@@ -11,23 +11,33 @@ make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}" "${SITE_REQUIREM
 build_library
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 
-passed=() failed=() skipped=()
+passed=() failed=() skipped=() logs=()
+mkdir -p "$root/build/suites"
 
-# step NAME COMMAND...: runs it and remembers how it ended.
+# step NAME COMMAND...: runs it, keeps a copy of its words, and remembers how it ended.
 step() {
-  local name=$1 start=$SECONDS
+  local name=$1 start=$SECONDS log="$root/build/suites/${1//[^A-Za-z0-9]/_}.log" status=0
   shift
   echo
   echo "==== $name"
-  if "$@" </dev/null; then
+  "$@" </dev/null > >(tee "$log") 2>&1 || status=$?
+  wait $! # for the copy
+  if [ $status -eq 0 ]; then
     passed+=("$name ($((SECONDS - start)) s)")
   else
-    failed+=("$name (exit $?)")
+    failed+=("$name (exit $status)")
+    logs+=("$log")
   fi
 }
 
-# summary: how the steps ended; its own status is that of all of them.
+# summary: the last words of steps that failed, and how all ended; its own status is that of all of them.
 summary() {
+  local log
+  for log in ${logs[@]+"${logs[@]}"}; do
+    echo
+    echo "==== The end of ${log#"$root/"}"
+    tail -n 25 "$log"
+  done
   echo
   echo "==== Summary"
   [ ${#passed[@]} -eq 0 ] || printf 'passed   %s\n' "${passed[@]}"
@@ -42,7 +52,6 @@ summary() {
 halves=() half_logs=("$root/build/suites/first.log" "$root/build/suites/second.log")
 start_native() {
   local i
-  mkdir -p "$root/build/suites"
   for i in 0 1; do
     GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$i "$root/build/paradesc_tests" --gtest_brief=1 --gtest_filter="$1" \
       >"${half_logs[i]}" 2>&1 </dev/null &

@@ -34,6 +34,7 @@ MODULES = (
     "settings.presets",
     "bake.modal",
     "scene.viewports",
+    "scene.writing",
     "scene.strays",
     "bake.operators",
     "bake.fit",

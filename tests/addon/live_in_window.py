@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import bpy
@@ -18,9 +18,9 @@ sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 import deforming  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc_blender.animation import live, pausing, sessions  # noqa: E402
+from paradesc_blender.animation import live, painting, pausing, sessions  # noqa: E402
 from paradesc_blender.bake import modal  # noqa: E402
-from paradesc_blender.scene import mesh_io  # noqa: E402
+from paradesc_blender.scene import mesh_io, writing  # noqa: E402
 from paradesc_blender.settings import animation as animation_settings  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, baking, begin, prepare, say, view_context, wait_for  # noqa: E402
@@ -231,8 +231,7 @@ def picture(path: Path) -> np.ndarray:
 def animation_steps(engine: str) -> Iterator[None]:
     """Presses Ctrl F12, with live values and without: every frame has the same silhouette.
 
-    The interface is locked without them, too. Blender 3.4 keeps in one variable for all threads whether Python may write: if a panel
-    is drawn at the moment when Cycles begins a frame, nothing may be written any more once that frame is done.
+    The interface is locked without them, too, so that both are rendered in the same way.
     """
     scene, shown = bpy.context.scene, {}
     render, former = scene.render, (scene.frame_start, scene.frame_end, scene.frame_step)
@@ -256,6 +255,117 @@ def animation_steps(engine: str) -> Iterator[None]:
     for frame, (still, live_one) in enumerate(zip(shown["OFF"], shown["LIVE"], strict=True)):
         assert np.abs(still - live_one).mean() < 1 / 255, f"{engine} shows another pose in picture {frame}"
     scene.frame_start, scene.frame_end, scene.frame_step = former
+
+
+class Meeting:
+    """A panel that is being drawn until a render's thread has come somewhere, which waits there until it is drawn."""
+
+    def __init__(self) -> None:
+        self.called, self.drawing, self.arrived = (threading.Event() for _ in range(3))
+
+    def arrive(self) -> None:
+        """Waits for the panel."""
+        self.called.set()
+        self.drawing.wait(PATIENCE)
+
+
+class PROPERTIES_PT_meeting(bpy.types.Panel):
+    """Is drawn until somebody has come"""
+
+    bl_label, bl_space_type, bl_region_type, bl_context = "Meeting", "PROPERTIES", "WINDOW", "object"
+    meeting: Meeting | None = None
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Waits for the render's thread, which may not write meanwhile."""
+        meeting = self.meeting
+        if meeting is not None and meeting.called.is_set() and not meeting.drawing.is_set():
+            meeting.drawing.set()
+            meeting.arrived.wait(PATIENCE)
+
+
+class MeetingEngine(bpy.types.RenderEngine):
+    """Begins while the panel is drawn, and ends later"""
+
+    bl_idname, bl_label = "PARADESC_MEETING", "Meeting"
+
+    def render(self, _depsgraph: bpy.types.Depsgraph) -> None:
+        """Renders nothing."""
+        meeting = PROPERTIES_PT_meeting.meeting
+        if meeting is not None:
+            meeting.arrived.set()
+            time.sleep(0.2)
+
+
+def met_steps(owner: type, name: str, before: bool, frame: int) -> Iterator[None]:
+    """Renders a frame whose thread meets the panel before a method writes, or after it."""
+    scene, meeting = bpy.context.scene, Meeting()
+    PROPERTIES_PT_meeting.meeting, method = meeting, getattr(owner, name)
+
+    def met(*words: object) -> object:
+        first = threading.current_thread() is not threading.main_thread() and not meeting.called.is_set()
+        if first and before:
+            meeting.arrive()
+            threading.Timer(0.1, meeting.arrived.set).start()
+        result = method(*words)
+        if first and not before:
+            meeting.arrive()
+        return result
+
+    setattr(owner, name, met)
+    scene.frame_start = scene.frame_end = frame
+    scene.frame_set(1)
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.render.render("INVOKE_DEFAULT", animation=True) == {"RUNNING_MODAL"}
+
+    def done() -> bool:
+        for area in bpy.context.window_manager.windows[0].screen.areas:
+            area.tag_redraw()
+        return meeting.arrived.is_set() and not sessions.STATE.rendering
+
+    yield from wait_for(done)
+    for _ in range(5):
+        yield
+    setattr(owner, name, method)
+    PROPERTIES_PT_meeting.meeting = None
+    assert target().paradesc_live.mode == "LIVE", target().paradesc_live.sentence
+
+
+def timers_may_write() -> Generator[None, None, bool]:
+    """Asks a timer, since these steps are taken where they may write."""
+    found: list[bool] = []
+    bpy.app.timers.register(lambda: found.append(writing.is_allowed()))
+    yield from wait_for(lambda: found)
+    return found[0]
+
+
+def drawn_steps() -> Iterator[None]:
+    """Renders while a panel is drawn, which takes from handlers, and then from all timers, that they may write."""
+    scene = bpy.context.scene
+    for cls in (PROPERTIES_PT_meeting, MeetingEngine):
+        bpy.utils.register_class(cls)
+    former = scene.render.engine, scene.frame_start, scene.frame_end
+    scene.render.engine = MeetingEngine.bl_idname
+    yield from met_steps(painting.Painter, "paint", before=True, frame=6)
+    say("wrote although a panel was drawn")
+    yield from met_steps(live.Session, "refresh", before=False, frame=11)
+    scene.render.engine, scene.frame_start, scene.frame_end = former
+    may_write = yield from timers_may_write()
+    assert may_write == (bpy.app.version >= (5, 0, 0))
+    say("goes on where timers may " + ("write" if may_write else "not write"))
+
+
+def mend_steps() -> Iterator[None]:
+    """Gives timers back that they may write: an engine that begins while one may brings that back when it ends."""
+    scene = bpy.context.scene
+    scene.render.engine = MeetingEngine.bl_idname
+    meeting = PROPERTIES_PT_meeting.meeting = Meeting()
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.render.render("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    assert meeting.arrived.wait(PATIENCE)
+    yield from wait_for(lambda: not sessions.STATE.rendering)
+    for _ in range(5):
+        yield
+    assert (yield from timers_may_write())
 
 
 def steps() -> Iterator[None]:
@@ -294,9 +404,11 @@ def steps() -> Iterator[None]:
     target().modifiers.clear()
     target().animation_data_clear()
     say("rendered each frame's pose: CYCLES, BLENDER_WORKBENCH")
+    yield from drawn_steps()
     scene.frame_set(1)
     target().data.shape_keys.animation_data_clear()
     yield from edit_steps()
+    yield from mend_steps()
     target().paradesc_live.mode = "OFF"
     assert not bpy.context.scene.render.use_lock_interface
     say("all steps passed")

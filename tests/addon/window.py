@@ -11,6 +11,7 @@ import numpy as np
 
 import paradesc_blender
 from paradesc_blender.bake import operators
+from paradesc_blender.scene import writing
 from scene import measure_curvature
 
 sys.path.append(str(Path(paradesc_blender.__file__).parents[1] / "manual" / "pictures"))
@@ -92,6 +93,7 @@ def begin(steps: Iterator[None], seconds: float) -> None:
     """
     bpy.ops.ed.undo_push(message="start")
 
+    @writing.allowed
     def turn() -> float | None:
         try:
             next(steps)

@@ -11,7 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..bake.modal import ModalJob
-from ..scene import record, viewports
+from ..scene import record, viewports, writing
 from ..settings import looks
 from . import live, painting, pausing, sessions, unkeyed
 from .sessions import STATE
@@ -118,6 +118,7 @@ def delay_of(targets: list[bpy.types.Object]) -> float:
     return STROKE_DELAY if any(target.mode == "SCULPT" for target in targets) else EDIT_DELAY
 
 
+@writing.allowed
 def follow_edits() -> float | None:
     """A timer that returns the seconds until its next call, or None once all values are up to date."""
     if STATE.edited_at is None:

@@ -162,17 +162,16 @@ class Session:
     ) -> bool:
         """Writes the results to the mesh; False if they are there already."""
         start = time.perf_counter()
+        self.unpainted = fresh = fresh or self.unpainted
         look = looks.scene_look(scene)
         self.results.look = look
         painting.follow_bake(scene.paradesc_live, look, target.data, self.asked_names())
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
-        fresh_on_mesh = fresh or self.unpainted
         self.painter.carried = self.done.read.vertices is not None
         extras = list(mesh_io.extras_on(target.data, self.results))
-        changed = self.painter.paint(target, self.values(self.own(), extras), ranges, fresh_on_mesh)
-        self.unpainted = False
+        changed = self.painter.paint(target, self.values(self.own(), extras), ranges, fresh)
         rendering = depsgraph is not None and depsgraph.mode == "RENDER"
-        if self.painter.carried and (changed or fresh_on_mesh):
+        if self.painter.carried and (changed or fresh):
             self.carry(target, self.values(self.results, extras), rendering)
         if changed:
             painting.tag_written(target, depsgraph)
@@ -182,6 +181,7 @@ class Session:
                 self.show_radius(scene)
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
+        self.unpainted = False
         return changed
 
     def carry(self, target: bpy.types.Object, values: painting.Values, rendering: bool) -> None:

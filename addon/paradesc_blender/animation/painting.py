@@ -54,7 +54,6 @@ class Painter:
             return False
         with nullcontext() if complete or target.mode != "SCULPT" else modes.object_mode(target):
             if not complete or basis != self.basis:
-                self.basis = basis
                 others, self.at = self.at, mesh_io.places(mesh, values.shown, values.extras)
                 mesh_io.make_attributes(mesh, values.names(self.at))
                 self.tables = {name: color_table(shown) for name, shown in ranges.items()}
@@ -62,6 +61,7 @@ class Painter:
                 leave_record(mesh, values, ranges, self.at)
                 if others and others != self.at:  # another mask was chosen
                     self.reveal(mesh, values)
+                self.basis = basis
             ownership.forget(mesh, values.names(self.at))
             if not self.carried:
                 carrying.release(mesh, values.names(self.at))

@@ -7,12 +7,14 @@ import logging
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import bpy
 
 from paradesc.bridge import ParadescError
 from paradesc.core import contexts
 
+from ..scene import writing
 from ..settings import looks
 from ..settings.snapshot import identity
 from . import live, painting, pausing, playback, surfaces
@@ -122,7 +124,7 @@ def refresh(
     with our_turn(wait=depsgraph.mode == "RENDER") as ours:
         for target in targets if ours else ():
             with switching_off(target):
-                session_of(target).refresh(target, depsgraph, scene, wait)
+                writing.insist(partial(session_of(target).refresh, target, depsgraph, scene, wait))
     if not wait and any(session.busy for session in STATE.sessions.values()):
         start_timer(collect, COLLECT_STEP)
 
@@ -154,6 +156,7 @@ def switching_off(target: bpy.types.Object) -> Iterator[None]:
         switch_off(target, f"Live values stopped: {type(error).__name__}: {error}")
 
 
+@writing.allowed
 def collect(wait: bool = False) -> float | None:
     """A timer that shows what a thread has computed; returns the seconds until its next call, or None."""
     if STATE.rendering:

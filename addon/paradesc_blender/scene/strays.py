@@ -7,7 +7,7 @@ puts into a collection by hand stays there, because only those are taken out tha
 import bpy
 from bpy.app.handlers import persistent
 
-from . import carrying
+from . import carrying, writing
 
 
 class State:
@@ -22,6 +22,7 @@ class State:
 STATE = State()
 
 
+@writing.allowed
 def look() -> None:
     """Takes carriers that are new out of all collections. A timer, which ends at once."""
     local = (item for item in bpy.data.objects if item.library is None)

@@ -1,0 +1,94 @@
+"""Has timers and renders write although Blender has lost track of whether Python may.
+
+Blender before 5.0 keeps that in one variable for all threads, which is off while a panel is drawn. If an engine begins
+to render at that moment, the variable stays off for the timers of all add-ons. A panel that is drawn while the handler
+of a rendered frame runs switches it off there.
+"""
+
+import functools
+import threading
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import bpy
+
+Result = TypeVar("Result")
+# A panel is drawn in some hundredths of a second.
+TRIES, STEP = 200, 0.005
+REFUSAL = "in this context is not allowed"
+_asked: list[Callable[[], None]] = []
+
+
+def allowed(timer: Callable[..., Result]) -> Callable[..., Result]:
+    """Makes a timer run where it may write."""
+
+    @functools.wraps(timer)
+    def wrapped(*words: object, **named: object) -> Result:
+        return insist(functools.partial(timer, *words, **named))
+
+    return wrapped
+
+
+def insist(function: Callable[[], Result]) -> Result:
+    """Calls a function where it may write, and once more if that is taken from it meanwhile."""
+    for _ in range(TRIES):
+        try:
+            if is_allowed():
+                return function()
+        except AttributeError as error:
+            if REFUSAL not in str(error):
+                raise
+        if threading.current_thread() is threading.main_thread():
+            break  # which draws panels itself, so that none will end
+        time.sleep(STEP)
+    return in_update(function)
+
+
+def is_allowed() -> bool:
+    """Returns whether Python may write now. This tries to set a property that is read-only, so nothing ever changes."""
+    try:
+        bpy.data.scenes[0].users = 0
+    except AttributeError as error:
+        return REFUSAL not in str(error)
+    return True
+
+
+def in_update(function: Callable[[], Result]) -> Result:
+    """Calls a function in the update of a property, where Blender always lets Python write."""
+    ends: list[Callable[[], Result]] = []
+
+    def asked() -> None:
+        try:
+            result = function()
+        except Exception as error:  # noqa: BLE001 (raised below, because Blender would print it and go on)
+            ends.append(functools.partial(throw, error))
+        else:
+            ends.append(lambda: result)
+
+    _asked.append(asked)
+    bpy.data.window_managers[0].paradesc_asked = True
+    return ends[0]()
+
+
+def throw(error: Exception) -> None:
+    """Raises an error."""
+    raise error
+
+
+def answer(_manager: bpy.types.WindowManager, _context: bpy.types.Context) -> None:
+    """Calls what was asked for."""
+    _asked.pop()()
+
+
+classes = ()
+
+
+def register() -> None:
+    """Adds the property whose update calls functions."""
+    bpy.types.WindowManager.paradesc_asked = bpy.props.BoolProperty(name="", update=answer, options={"SKIP_SAVE"})
+
+
+def unregister() -> None:
+    """Removes the property."""
+    del bpy.types.WindowManager.paradesc_asked
