@@ -388,7 +388,9 @@ def steps() -> Iterator[None]:
     scene.frame_set(1)
     prepare_render()
     found: dict[tuple[str, int], np.ndarray] = {}
-    engines = ("CYCLES", "BLENDER_EEVEE") if os.environ.get("PARADESC_LONG_TESTS") else ("CYCLES",)
+    # Engines that draw use OpenGL beside the window, where Mesa 22's llvmpipe crashes in about one run of a hundred.
+    long = bool(os.environ.get("PARADESC_LONG_TESTS"))
+    engines = ("CYCLES", "BLENDER_EEVEE") if long else ("CYCLES",)
     for engine in engines:
         for frame in (1, 11):
             yield from render_steps(engine, frame, found)
@@ -399,11 +401,12 @@ def steps() -> Iterator[None]:
     assert target().paradesc_live.mode == "LIVE", target().paradesc_live.sentence
     say(f"rendered each frame's values: {', '.join(engines)}")
     deforming.displace(target())
-    for engine in ("CYCLES", "BLENDER_WORKBENCH"):
+    engines = ("CYCLES", "BLENDER_WORKBENCH") if long else ("CYCLES",)
+    for engine in engines:
         yield from animation_steps(engine)
     target().modifiers.clear()
     target().animation_data_clear()
-    say("rendered each frame's pose: CYCLES, BLENDER_WORKBENCH")
+    say(f"rendered each frame's pose: {', '.join(engines)}")
     yield from drawn_steps()
     scene.frame_set(1)
     target().data.shape_keys.animation_data_clear()
