@@ -15,12 +15,12 @@ REFUSED = f"Writing to ID classes {writing.REFUSAL}: Mesh, Mesh datablock, error
 
 def test_functions_are_called_at_once_where_python_may_write(monkeypatch):
     """Nothing is asked of Blender there."""
-    monkeypatch.setattr(writing, "in_update", None)
+    monkeypatch.setattr(writing, "by_property", None)
     assert writing.is_allowed()
     assert writing.allowed(lambda *words, **named: (words, named))(1, two=2) == ((1,), {"two": 2})
 
 
-def test_functions_are_called_in_an_update_where_nothing_may_be_written(monkeypatch):
+def test_functions_are_called_by_a_property_where_nothing_may_be_written(monkeypatch):
     """Their results and errors arrive, even if one of them calls another one so."""
     monkeypatch.setattr(writing, "is_allowed", lambda: False)
     assert writing.insist(lambda: 3) == 3
@@ -28,6 +28,7 @@ def test_functions_are_called_in_an_update_where_nothing_may_be_written(monkeypa
     with pytest.raises(ZeroDivisionError):
         writing.insist(lambda: 1 / 0)
     assert writing.insist(lambda: None) is None
+    assert "paradesc_asked" not in bpy.context.window_manager
 
 
 def test_only_refusals_are_tried_again():

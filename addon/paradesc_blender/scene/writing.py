@@ -42,7 +42,7 @@ def insist(function: Callable[[], Result]) -> Result:
         if threading.current_thread() is threading.main_thread():
             break  # which draws panels itself, so that none will end
         time.sleep(STEP)
-    return in_update(function)
+    return by_property(function)
 
 
 def is_allowed() -> bool:
@@ -54,8 +54,8 @@ def is_allowed() -> bool:
     return True
 
 
-def in_update(function: Callable[[], Result]) -> Result:
-    """Calls a function in the update of a property, where Blender always lets Python write."""
+def by_property(function: Callable[[], Result]) -> Result:
+    """Calls a function where a property is set, for which Blender always lets Python write."""
     ends: list[Callable[[], Result]] = []
 
     def asked() -> None:
@@ -76,8 +76,8 @@ def throw(error: Exception) -> None:
     raise error
 
 
-def answer(_manager: bpy.types.WindowManager, _context: bpy.types.Context) -> None:
-    """Calls what was asked for."""
+def answer(_manager: bpy.types.WindowManager, _value: bool) -> None:
+    """Calls what was asked for, and stores nothing."""
     _asked.pop()()
 
 
@@ -85,8 +85,8 @@ classes = ()
 
 
 def register() -> None:
-    """Adds the property whose update calls functions."""
-    bpy.types.WindowManager.paradesc_asked = bpy.props.BoolProperty(name="", update=answer, options={"SKIP_SAVE"})
+    """Adds the property that calls functions instead of being set."""
+    bpy.types.WindowManager.paradesc_asked = bpy.props.BoolProperty(name="", get=lambda _manager: False, set=answer)
 
 
 def unregister() -> None:
