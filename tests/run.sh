@@ -20,7 +20,7 @@ step() {
   shift
   echo
   echo "==== $name"
-  "$@" </dev/null > >(tee "$log") 2>&1 || status=$?
+  { "$@" </dev/null; } > >(tee "$log") 2>&1 || status=$?
   wait $! # for the copy
   if [ $status -eq 0 ]; then
     passed+=("$name ($((SECONDS - start)) s)")

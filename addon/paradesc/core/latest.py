@@ -39,6 +39,11 @@ class Latest(Generic[Request, Result]):
         return self._worker is not None or self._waiting is not None
 
     @property
+    def computing(self) -> bool:
+        """True while the thread works."""
+        return self._worker is not None and not self._worker.done
+
+    @property
     def newest(self) -> Request | None:
         """The newest request without an outcome yet."""
         return self._under_way if self._waiting is None else self._waiting

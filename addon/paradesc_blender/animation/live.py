@@ -100,6 +100,11 @@ class Session:
         """True while collect() may still bring results."""
         return self.latest.busy
 
+    @property
+    def computing(self) -> bool:
+        """True while a thread computes."""
+        return self.latest.computing
+
     def refresh(
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:

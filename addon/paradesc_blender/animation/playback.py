@@ -28,7 +28,7 @@ EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
 class Player:
     """The playback state of one object, kept from frame to frame."""
 
-    busy = False  # nothing is computed beside the window
+    busy = computing = False  # nothing is computed beside the window
 
     def __init__(self) -> None:
         self.painter = painting.Painter()
