@@ -101,8 +101,8 @@ def play_steps() -> Iterator[None]:
 def press_space() -> None:
     """Begins or ends playing by its key.
 
-    Within an overridden context Blender 3.4 runs operators without Python's lock, but reads Python's objects all the same.
-    It crashes if another thread runs Python meanwhile, as one does that computes.
+    Within an overridden context Blender 3.4 runs operators without Python's lock, but reads Python's objects all the
+    same. It crashes if another thread runs Python meanwhile, as one does that computes.
     """
     window = bpy.context.window_manager.windows[0]
     for value in ("PRESS", "RELEASE"):

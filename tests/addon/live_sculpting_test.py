@@ -88,6 +88,12 @@ def test_nothing_is_computed_or_written_in_the_middle_of_a_stroke(sculpted, monk
     assert len(done) == 1
 
 
+def test_buttons_are_not_looked_at_while_a_thread_computes(sculpted, monkeypatch):
+    monkeypatch.setattr(live.Session, "computing", True)
+    monkeypatch.setattr(pausing, "is_busy", lambda: pytest.fail("Blender 3.4 may crash"))
+    assert sessions.collect() == sessions.COLLECT_STEP
+
+
 def test_a_stroke_is_waited_for_shorter_than_an_edit(sculpted):
     assert handlers.delay_of([sculpted]) < handlers.delay_of([])
     sessions.STATE.edited_at = time.monotonic()

@@ -161,10 +161,10 @@ def collect(wait: bool = False) -> float | None:
     """A timer that shows what a thread has computed; returns the seconds until its next call, or None."""
     if STATE.rendering:
         return LATER
-    if not wait and any(target.mode == "SCULPT" for target in live_objects()):
-        # Looking at buttons is an operator with an overridden context, during which no other thread may run Python.
-        if any(session.computing for session in STATE.sessions.values()) or pausing.is_busy():
-            return COLLECT_STEP
+    sculpting = not wait and any(target.mode == "SCULPT" for target in live_objects())
+    # Looking at buttons is an operator with an overridden context, during which no other thread may run Python.
+    if sculpting and (any(session.computing for session in STATE.sessions.values()) or pausing.is_busy()):
+        return COLLECT_STEP
     with our_turn(wait=False) as ours:
         for target in live_objects() if ours else ():
             session = session_at(target)
