@@ -9,6 +9,7 @@ import functools
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import TypeVar
 
 import bpy
@@ -56,24 +57,17 @@ def is_allowed() -> bool:
 
 def by_property(function: Callable[[], Result]) -> Result:
     """Calls a function where a property is set, for which Blender always lets Python write."""
-    ends: list[Callable[[], Result]] = []
+    end: Future[Result] = Future()
 
     def asked() -> None:
         try:
-            result = function()
+            end.set_result(function())
         except Exception as error:  # noqa: BLE001 (raised below, because Blender would print it and go on)
-            ends.append(functools.partial(throw, error))
-        else:
-            ends.append(lambda: result)
+            end.set_exception(error)
 
     _asked.append(asked)
     bpy.data.window_managers[0].paradesc_asked = True
-    return ends[0]()
-
-
-def throw(error: Exception) -> None:
-    """Raises an error."""
-    raise error
+    return end.result(0)
 
 
 def answer(_manager: bpy.types.WindowManager, _value: bool) -> None:
