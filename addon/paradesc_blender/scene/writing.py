@@ -9,7 +9,6 @@ import functools
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import TypeVar
 
 import bpy
@@ -57,17 +56,20 @@ def is_allowed() -> bool:
 
 def by_property(function: Callable[[], Result]) -> Result:
     """Calls a function where a property is set, for which Blender always lets Python write."""
-    end: Future[Result] = Future()
+    results: list[Result] = []
+    errors: list[Exception] = []
 
     def asked() -> None:
         try:
-            end.set_result(function())
+            results.append(function())
         except Exception as error:  # noqa: BLE001 (raised below, because Blender would print it and go on)
-            end.set_exception(error)
+            errors.append(error)
 
     _asked.append(asked)
     bpy.data.window_managers[0].paradesc_asked = True
-    return end.result(0)
+    for error in errors:
+        raise error
+    return results[0]
 
 
 def answer(_manager: bpy.types.WindowManager, _value: bool) -> None:
