@@ -13,6 +13,7 @@ import pytest
 from conftest import blender_program
 from libraries import all_hash, make_library, process_environment, rows_of, waited_for
 from paradesc.commands import bundles
+from paradesc.commands import main as main_module
 from paradesc.commands.common import UsageError, split_words, with_also
 from paradesc.commands.main import main
 from paradesc.files import cache
@@ -163,8 +164,23 @@ def test_a_list_on_the_standard_output_has_no_other_lines(run, sphere_obj, tmp_p
     ended = run("tasks", "--json", "report.json", "library", ".", "-o", "out", "--list", "tasks.jsonl")
     assert (ended.output, ended.error) == ("wrote report.json\n", "wrote tasks.jsonl\n")
     assert json.loads((tmp_path / "report.json").read_text())["outputs"] == ["tasks.jsonl"]
+    listed = (tmp_path / "tasks.jsonl").read_text()
     ended = run("tasks", "--quiet", "library", ".", "-o", "out", "--list", "tasks.jsonl")
     assert (ended.output, ended.error) == ("", "")
+    ended = run("tasks", "--quiet", "library", ".", "-o", "out")
+    assert (ended.output, ended.error) == (listed, "")
+    ended = run("tasks", "--json", "-", "library", ".", "-o", "out")
+    assert ended.code == 2
+    assert ended.error == "paradesc: --json - and the list both write to the standard output; give --list a file.\n"
+
+
+def test_the_words_of_the_other_command_are_parsed_once(library, tmp_path, monkeypatch):
+    parsers = []
+    make_parser = main_module.make_parser
+    monkeypatch.setattr(main_module, "make_parser", lambda: parsers.append(make_parser()) or parsers[-1])
+    words = ("--json", tmp_path / "report.json", "library", library, "-o", tmp_path / "out")
+    assert len(tasks(tmp_path, *words)) == 8
+    assert len(parsers) == 2  # of tasks, and of library
 
 
 def test_a_program_whose_words_cannot_be_told_apart_is_refused(run, sphere_obj):

@@ -49,7 +49,7 @@ def main(words: list[str]) -> int:
         return say(str(error), common.EXIT_USAGE)
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
-    is_muted = arguments.quiet or prints_json(arguments)
+    is_muted = prints_json(arguments) or (arguments.quiet and arguments.command != "tasks")  # a list is no remark
     try:
         with Signals(raises=True):
             with contextlib.redirect_stdout(io.StringIO()) if is_muted else contextlib.nullcontext():

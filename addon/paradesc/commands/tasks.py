@@ -45,6 +45,7 @@ def add_options(parser: Parser) -> None:
     add_own_options(parser)
     help_text = "animate or library, its input, and its options, as that command takes them"
     parser.add_argument("words", nargs=argparse.REMAINDER, metavar="COMMAND ...", help=help_text)
+    parser.set_defaults(parsed=None)
 
 
 def add_own_options(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +65,7 @@ def files_beside(arguments: argparse.Namespace) -> list[Path]:
     words = own_options(arguments)
     files = [arguments.list] if arguments.list is not None else []
     files += bundles.files_of(arguments.bundle) if arguments.bundle is not None else []
-    return files + words_files(words)
+    return files + words_files(arguments, words)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         written += bundles.copied(sorted((bundles.FARMS / "flamenco").glob("*.js")), arguments.flamenco)
     listed = Listed([], {})
     if words:
-        parsed, program = parsed_words(words), split_words(arguments.program or "paradesc", "--program")
+        parsed, program = parsed_words(arguments, words), split_words(arguments.program or "paradesc", "--program")
         settings_of(parsed)  # which are refused here if they make no sense
         start = [*program, *bundles.without_options(words, OURS[words[0]])[0]]
         listed = (frames_of if words[0] == "animate" else assets_of)(start, parsed, arguments)
@@ -108,9 +109,9 @@ def own_options(arguments: argparse.Namespace) -> list[str]:
     return words
 
 
-def words_files(words: list[str]) -> list[Path]:
+def words_files(arguments: argparse.Namespace, words: list[str]) -> list[Path]:
     """The files that the words of the other command name, or none if they are not words of such a command."""
-    return named_files(parsed_words(words)) if words and words[0] in DIVIDED else []
+    return named_files(parsed_words(arguments, words)) if words and words[0] in DIVIDED else []
 
 
 def check(arguments: argparse.Namespace, words: list[str]) -> None:
@@ -126,27 +127,40 @@ def check(arguments: argparse.Namespace, words: list[str]) -> None:
             raise UsageError(f"Every task would have the same {word.partition('=')[0]}; leave it out.")
     if arguments.chunk is not None and arguments.chunk < 1:
         raise UsageError(f"--chunk is {arguments.chunk}; it must be at least 1.")
+    check_destinations(arguments, words)
+
+
+def check_destinations(arguments: argparse.Namespace, words: list[str]) -> None:
+    """Refuses to write where the list or a job description cannot be written, or would take another file's place."""
     check_outputs([arguments.list])
     if arguments.list is not None:
-        check_apart(arguments.list, words_files(words), "the list")
+        check_apart(arguments.list, words_files(arguments, words), "the list")
+    if words and arguments.bundle is None and is_printed(arguments.list) and str(arguments.json) == "-":
+        raise UsageError("--json - and the list both write to the standard output; give --list a file.")
     for folder in filter(None, (arguments.bundle, arguments.flamenco)):
         if folder_fault(folder):
             raise UsageError(folder_fault(folder))
 
 
-def parsed_words(words: list[str]) -> argparse.Namespace:
-    """Parses the words of the other command, which raises the same errors as that command."""
+def parsed_words(arguments: argparse.Namespace, words: list[str]) -> argparse.Namespace:
+    """Parses the words of the other command once, which raises the same errors as that command."""
     from .main import make_parser
 
-    parsed, unknown = make_parser().parse_known_args(words)
-    if unknown:
-        raise UsageError(f'There is no option "{unknown[0]}"; see paradesc {words[0]} --help.')
-    return parsed
+    if arguments.parsed is None:
+        arguments.parsed, unknown = make_parser().parse_known_args(words)
+        if unknown:
+            raise UsageError(f'There is no option "{unknown[0]}"; see paradesc {words[0]} --help.')
+    return arguments.parsed
+
+
+def is_printed(path: Path | None) -> bool:
+    """Returns whether a list goes to the standard output."""
+    return path is None or str(path) == "-"
 
 
 def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> list[Path]:
     """Writes a line for each task; returns the file, or nothing if they are printed."""
-    printed = arguments.list is None or str(arguments.list) == "-"
+    printed = is_printed(arguments.list)
     text = "".join(json.dumps(results.finite_only(task), ensure_ascii=printed) + "\n" for task in tasks)
     if printed:
         print(text, end="")
