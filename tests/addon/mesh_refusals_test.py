@@ -197,7 +197,8 @@ GLTF = [
     (".gltf", "{}", "has no faces"),
     (".gltf", with_uri("gone.bin"), 'its buffer "gone.bin" is not beside it; keep both in one folder'),
     (".gltf", with_uri("a\0b"), "is not beside it"),
-    (".gltf", with_uri("https://example.org/a.bin"), 'its buffer "https://example.org/a.bin" is on the network'),
+    (".gltf", with_uri("https://example.org/a.bin"), 'its buffer "https://example.org/a.bin" is not beside it'),
+    (".gltf", with_uri("file:///mesh/a.bin"), 'its buffer "file:///mesh/a.bin" is not beside it; keep both'),
     (".gltf", with_uri("data:a;base64,A"), "a buffer in it is damaged"),
     (".gltf", embedded(*ball()).replace(b"data:application/octet-stream;base64,", b"data:,"), "a face has vertex"),
 ]  # fmt: skip

@@ -174,8 +174,6 @@ def addressed(path: Path, uri: str) -> bytes:
             return base64.b64decode(text) if about.endswith(";base64") else unescaped(text)
         except ValueError as error:
             raise ValueError(f"a buffer in it is damaged: {error}") from error
-    if "://" in uri:
-        raise ValueError(f'its buffer "{uri[:80]}" is on the network; keep it beside the file')
     try:
         return buffer_path(path, uri).read_bytes()
     except (OSError, ValueError) as error:
