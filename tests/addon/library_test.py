@@ -223,6 +223,24 @@ def test_failures_are_rows_and_nothing_else_is_lost(library, tmp_path, capfd):
     assert compute(library, tmp_path / "out", "--allow-failures")["made"] == 0
 
 
+def test_an_asset_that_fails_has_no_results_of_an_earlier_run(library, tmp_path):
+    output = tmp_path / "out"
+    compute(library, output)
+    (library / "set_1" / "asset_0001.obj").write_text("")
+    compute(library, output, code=5)
+    assert not (output / "results" / "set_1" / "asset_0001.obj.npz").exists()
+    assert len(list((output / "results").rglob("*.npz"))) == 6
+    assert rows_of(output)["set_1/asset_0001.obj"]["status"] == "failed"
+
+
+def test_one_asset_is_counted_in_the_singular(library, tmp_path, capsys):
+    words = ["library", str(library), "-o", str(tmp_path / "out"), "--asset", "set_1/asset_0001.obj", *QUICK]
+    assert main([*words, "--workers", "1", "--radius", "0.001"]) == 0
+    said = capsys.readouterr().out
+    assert "1 asset: 1 computed, 0 kept, 0 of them failed\n" in said
+    assert "note: Warnings are in the rows of 1 asset.\n" in said
+
+
 def test_a_failure_of_the_machine_is_tried_again_and_never_allowed(library, tmp_path, monkeypatch):
     def fails(*_):
         raise MemoryError("no memory")

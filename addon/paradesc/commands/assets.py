@@ -2,7 +2,7 @@
 
 The results of FOLDER/props/crate.obj are OUT/results/props/crate.obj.npz, and its row is beside it as .json. Both files
 are written completely or not at all, the row last, so every existing row has its results. Therefore a task may be
-killed, repeated, and run twice at the same time.
+killed, repeated, and run twice at the same time. An asset that fails has a row alone.
 """
 
 import hashlib
@@ -91,9 +91,11 @@ def failed(row: dict, sentence: str, code: int) -> dict:
 
 
 def write_row(work: Work, row: dict) -> None:
-    """Writes a row beside the results."""
-    _, path = paths_of(work.output, row["file"])
+    """Writes a row beside the results, or in place of former ones if the asset failed."""
+    arrays, path = paths_of(work.output, row["file"])
     make_folder(path.parent)
+    if row["status"] == "failed":
+        arrays.unlink(missing_ok=True)
     write_whole(path, line_of(row), results.write_text)
 
 

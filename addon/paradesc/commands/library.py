@@ -191,10 +191,10 @@ def report(
     """Prints a summary in a few lines; returns the report."""
     count, failures = len(tally.lines), tally.failures
     kept = count - tally.made
-    print(f"{count:,} assets: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")
+    print(f"{counted(count)}: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")
     print(f"{seconds:.2f} s; over all assets, reading, computing and writing took {tally.compute_seconds:.2f} s")
     notes = options.notes_of_preset(arguments)
-    notes += [f"{tally.warned:,} assets have warnings; their rows name them."] if tally.warned else []
+    notes += [f"Warnings are in the rows of {counted(tally.warned)}."] if tally.warned else []
     print_notes(notes)
     if listing is not None:
         print(f"wrote {listing}")
@@ -221,4 +221,9 @@ def failed_checks(arguments: argparse.Namespace, failures: list[dict], count: in
         return []
     first = failures[0]
     verb = "could not be computed"
-    return [f'{len(failures):,} of {count:,} assets {verb}, "{first["file"]}" first: {first["error"]}']
+    return [f'{len(failures):,} of {counted(count)} {verb}, "{first["file"]}" first: {first["error"]}']
+
+
+def counted(count: int) -> str:
+    """A number of assets in words."""
+    return "1 asset" if count == 1 else f"{count:,} assets"
