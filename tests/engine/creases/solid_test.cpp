@@ -323,5 +323,22 @@ TEST(Solid, a_hollow_is_as_bent_as_what_fits_into_it) {
   for (size_t v = 0; v < convex.size(); ++v) EXPECT_NEAR(concave[v], -convex[v], 1e-5);
 }
 
+// The rim of the ball goes through corners of the box, which rounding puts on either side of it.
+TEST(Solid, a_corner_on_the_rim_is_inside_or_outside_for_all_sides) {
+  const Rotation turn = rotation_about({1, 2, 4}, 0.7);
+  Triangles turned = box(10);
+  for (vec3 &p : turned.positions) {
+    const Vec3 place = turn({double{p.x}, double{p.y}, double{p.z}});
+    p = vec3(place.x, place.y, place.z);
+  }
+  const Subject subject(std::move(turned));
+  for (const double cells2 : {41, 50}) { // 6, 2 and 1 cells from a corner; 3, 4 and 5
+    const double r = 0.2 * std::sqrt(cells2);
+    const std::vector<double> mean = subject.values("mean_curvature", r),
+                              beyond = subject.values("mean_curvature", r * (1 + 1e-6));
+    for (size_t v = 0; v < mean.size(); ++v) EXPECT_NEAR(mean[v] * r, beyond[v] * r, 1e-4);
+  }
+}
+
 } // namespace
 } // namespace paradesc::test

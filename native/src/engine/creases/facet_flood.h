@@ -35,6 +35,7 @@ public:
   }
   // Facets of the starting triangles; may contain duplicates.
   std::span<const int32_t> own_facets() const { return own_facets_; }
+  bool is_inside(dvec3 place) const;
 
 private:
   // The half-edge by which the flood reached a triangle, and whether begin (1) and end (2) of it lie in the ball.
@@ -56,7 +57,6 @@ private:
   bool is_one(int32_t facet);
   void reach_part(int32_t triangle);
   void cross(const FacetSide &side);
-  bool is_inside(dvec3 place) const;
   bool is_inside(int32_t corner) const { return is_inside(dvec3(triangles_.position(corner))); }
   bool meets(dvec3 begin, dvec3 end) const;
   bool meets(int32_t half_edge) const;

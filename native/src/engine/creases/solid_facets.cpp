@@ -36,7 +36,8 @@ double SolidMeasure::height_over(const Facet &facet, const FacetPart &part) cons
   return height;
 }
 
-// Cuts a plane by the ball → region_.
+// Cuts a plane by the ball → region_. The flood says which corners are inside, so that it and both sides of a corner agree: where
+// one side leaves the ball, another one enters it.
 void SolidMeasure::cut(const FacetPart &part, double height) {
   const Facet &facet = surface_.facets.facet[part.facet];
   const double rim2 = radius_ * radius_ - height * height;
@@ -47,7 +48,7 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
   for (const int32_t index : flood_.sides(part)) {
     const FacetSide &side = surface_.facets.side[index];
     const dvec2 a = facet.axes.of(side.begin - center_.position), b = facet.axes.of(side.end - center_.position), way = b - a;
-    const bool begins = glm::dot(a, a) < rim2, ends = glm::dot(b, b) < rim2;
+    const bool begins = flood_.is_inside(side.begin), ends = flood_.is_inside(side.end);
     is_cut = is_cut || !begins || !ends;
     if (begins && ends) {
       region_.segments.emplace_back(a, b);
@@ -55,10 +56,9 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
     }
     const double length2 = glm::dot(way, way), foot = -glm::dot(a, way) / length2, across = cross(a, way);
     const double half2 = (rim2 - across * across / length2) / length2;
-    if (!(half2 > 0) && !begins && !ends) continue; // the side only touches the rim
     const double half = std::sqrt(std::max(half2, 0.0));
     const double from_here = begins ? 0 : std::clamp(foot - half, 0.0, 1.0), to = ends ? 1 : std::clamp(foot + half, 0.0, 1.0);
-    if (!(from_here < to)) continue;
+    if (!begins && !ends && !(from_here < to)) continue; // the side only touches the rim
     const dvec2 begin = a + from_here * way, end = a + to * way;
     region_.segments.emplace_back(begin, end);
     if (!begins) turn += angle_of(begin.y, begin.x);
