@@ -69,7 +69,7 @@ private:
   // The functions for facets are in solid_facets.cpp.
   double height_over(const Facet &facet, const FacetPart &part) const;
   void cut(const FacetPart &part, double height);
-  double arcs_of(const FacetPart &part, double turn, bool is_cut) const;
+  double arcs_of(const FacetPart &part, double turn) const;
   void add_part(Sums &sums, const FacetPart &part);
   // These add a plane seen under a solid angle, a bend along an edge, or a gradient of normals in a plane.
   void add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const;

@@ -44,12 +44,10 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
   region_.radius = std::sqrt(rim2);
   region_.segments.clear();
   double turn = 0; // from where sides leave the ball to where they enter it
-  bool is_cut = false;
   for (const int32_t index : flood_.sides(part)) {
     const FacetSide &side = surface_.facets.side[index];
     const dvec2 a = facet.axes.of(side.begin - center_.position), b = facet.axes.of(side.end - center_.position), way = b - a;
     const bool begins = flood_.is_inside(side.begin), ends = flood_.is_inside(side.end);
-    is_cut = is_cut || !begins || !ends;
     if (begins && ends) {
       region_.segments.emplace_back(a, b);
       continue;
@@ -64,26 +62,28 @@ void SolidMeasure::cut(const FacetPart &part, double height) {
     if (!begins) turn += angle_of(begin.y, begin.x);
     if (!ends) turn -= angle_of(end.y, end.x);
   }
-  region_.arcs = arcs_of(part, turn, is_cut);
+  region_.arcs = arcs_of(part, turn);
 }
 
 // Returns the angle of the rim's arcs within the part of the facet. If the rim cuts sides, it is, up to whole turns, the sum of
-// angles from each exit of the ball to the next entry.
-double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) const {
-  const Facet &facet = surface_.facets.facet[part.facet];
-  const bool is_within = !is_cut && part.end - part.begin == facet.side_end - facet.side_begin;
-  if (!is_cut) return is_within ? 0 : 2 * pi;
+// angles from each exit of the ball to the next entry. Without arcs between them, the rim is entirely outside the part, or
+// entirely inside: sides around the part have a positive area, and sides of holes in it a negative one. If sides only touch the
+// rim, the facet says whether the disc's side of them belongs to it.
+double SolidMeasure::arcs_of(const FacetPart &part, double turn) const {
   const double arcs = turn - 2 * pi * std::floor(turn / (2 * pi));
-  constexpr double rounding = 1e-9;
+  constexpr double rounding = 1e-9, within = 1 - 1e-3;
   if (std::min(arcs, 2 * pi - arcs) > rounding) return arcs;
-  // If sides only touch the rim, the rim is entirely outside the facet, or entirely inside.
-  const auto is_inside = [&](int32_t index) {
-    const dvec3 p = surface_.facets.side[index].begin - center_.position;
-    return glm::dot(p, p) < radius_ * radius_ * (1 + rounding);
-  };
-  const std::span<const int32_t> sides = flood_.sides(part);
-  if (part.end - part.begin == facet.side_end - facet.side_begin && std::all_of(sides.begin(), sides.end(), is_inside)) return 0;
-  return is_in(facet.axes.of(center_.position - facet.middle), surface_.facets, facet) ? 2 * pi : 0;
+  double area = 0;
+  for (const auto &[begin, end] : region_.segments) area += 0.5 * cross(begin, end);
+  if (std::abs(area) > rounding * radius_ * radius_) return area > 0 ? 0 : 2 * pi;
+  const Facet &facet = surface_.facets.facet[part.facet];
+  dvec2 place = facet.axes.of(center_.position - facet.middle);
+  if (part.begin < part.end) {
+    const FacetSide &side = surface_.facets.side[flood_.sides(part).front()];
+    const dvec2 begin = facet.axes.of(side.begin - center_.position), way = facet.axes.of(side.end - side.begin);
+    place += within * (begin + way * std::clamp(-glm::dot(begin, way) / glm::dot(way, way), 0.0, 1.0));
+  }
+  return is_in(place, surface_.facets, facet) ? 2 * pi : 0;
 }
 
 void SolidMeasure::add_part(Sums &sums, const FacetPart &part) {
