@@ -97,6 +97,21 @@ TEST(ReferenceQuadrature, triangles_around_the_disc_sum_to_the_disc) {
   }
 }
 
+// Squares of a grid, cut along one diagonal or the other: corners lie exactly on the circle, some with an edge between them.
+TEST(ReferenceQuadrature, triangles_with_corners_on_the_circle_sum_to_the_disc) {
+  constexpr int cells = 6;
+  for (const double radius : {1.0, std::sqrt(2.0), std::sqrt(5.0), 5.0})
+    for (const bool other : {false, true}) {
+      double area = 0;
+      for (int i = 0; i < 4 * cells * cells; ++i) {
+        const dvec2 first(i % (2 * cells) - cells, i / (2 * cells) - cells), x(1, 0), y(0, 1);
+        const dvec2 a = other ? first + x : first, b = a + (other ? y : x), c = b + (other ? -x : y), d = c - (b - a);
+        area += region_area({a, b, c}, radius) + region_area({a, c, d}, radius);
+      }
+      EXPECT_NEAR(area, pi * radius * radius, 1e-9) << radius;
+    }
+}
+
 TEST(ReferenceQuadrature, whole_disc_within_a_triangle) {
   EXPECT_NEAR(region_area({{{-5, -5}, {7, -5}, {-2, 9}}}, 0.5), pi * 0.25, 1e-12);
   EXPECT_EQ(region_area({{{5, 5}, {7, 5}, {6, 9}}}, 0.5), 0);

@@ -77,6 +77,7 @@ DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius) {
   DiscRegion region;
   region.radius = radius;
   dvec2 first(0), last(0);
+  size_t first_edge = 0, last_edge = 0;
   bool first_enters = false, last_exits = false;
   for (size_t i = 0; i < 3; ++i) {
     const dvec2 a = corners[i], b = corners[(i + 1) % 3];
@@ -85,15 +86,17 @@ DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius) {
     const dvec2 begin = a + chord.begin * (b - a);
     if (region.count == 0) {
       first = begin;
+      first_edge = i;
       first_enters = chord.enters;
-    } else if (last_exits || chord.enters) {
+    } else if (last_exits || chord.enters || last_edge + 1 != i) {
       add_arc(region, last, begin);
     }
     last = chord.exits ? a + chord.end * (b - a) : b;
+    last_edge = i;
     last_exits = chord.exits;
     region.pieces[region.count++] = {begin, last};
   }
-  if (region.count > 0 && (last_exits || first_enters)) add_arc(region, last, first);
+  if (region.count > 0 && (last_exits || first_enters || (last_edge + 1) % 3 != first_edge)) add_arc(region, last, first);
   if (region.count == 0 && holds_origin(corners)) region.pieces[region.count++] = {{radius, 0}, {radius, 0}, 0, 2 * pi};
   return region;
 }
