@@ -144,6 +144,21 @@ def test_a_session_in_another_process_has_the_radius_of_the_newest_modifiers(cag
     assert sessions.session_at(cage).results.radius == radius
 
 
+def test_the_radius_stays_at_frames_that_have_other_vertices(cage):
+    bpy.context.scene.paradesc.radius_fit, row = "medium", cage.modifiers.new("row", "ARRAY")
+    for frame, count in ((1, 1), (4, 4)):
+        row.count = count
+        row.keyframe_insert("count", frame=frame)
+    bpy.context.scene.frame_set(1)
+    assert switch(cage) == ""
+    session = sessions.session_at(cage)
+    radius, few = session.results.radius, len(session.results.coverage)
+    for frame in (4, 1):
+        bpy.context.scene.frame_set(frame)
+        assert len(session.results.coverage) == frame * few
+        assert session.results.radius == pytest.approx(radius, rel=1e-6)
+
+
 def test_the_record_of_live_values_tells_another_radius(cage):
     bpy.context.scene.paradesc_animation.source = "original"
     for percent in (8.0, 16.0):

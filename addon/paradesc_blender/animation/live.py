@@ -69,6 +69,7 @@ class Session:
         self.kept: dict[str, object] = {}
         self.radii: dict[str, object] = {}  # the newest, as RADII keeps them
         self.rest: np.ndarray | None = None  # (original_count, 3) float32 when it was read
+        self.frame: float | None = None  # of the newest request
         self.done: LiveRequest | None = None  # the request that the results belong to
         self.results: Results | None = None
         self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
@@ -236,8 +237,9 @@ class Session:
         with surfaces.shown(target, evaluated, surfaces.source_of(scene), rendering) as surface:
             positions, normals = surface.positions, surface.normals(settings)
             read = self.follow_mesh(target, surface, settings)
+        moved, self.frame = scene.frame_current_final != self.frame, scene.frame_current_final
         if read is not None:
-            self.take_mesh(target, read, rendering if surface.generated else None)
+            self.take_mesh(target, read, rendering if surface.generated else None, moved)
         if target.mode == "SCULPT":
             settings = sculpt_mask.quick(settings, len(self.read.arrays.triangle_corners), FINE)
         quick, asked = is_quick(scene, rendering), chosen(scene, rendering)
@@ -264,12 +266,16 @@ class Session:
         self.topology = topology
         return read
 
-    def take_mesh(self, target: bpy.types.Object, read: Read, rendering: bool | None) -> None:
-        """Starts again with this mesh, at radii that no pose changes. rendering: None for the object's own mesh."""
+    def take_mesh(self, target: bpy.types.Object, read: Read, rendering: bool | None, moved: bool) -> None:
+        """Starts again with this mesh, at radii that no pose changes. rendering: None for the object's own mesh.
+
+        moved: another frame made the mesh, for example of an animated Array, and not an edit of the modifiers.
+        """
         rest, self.kept = mesh_io.read_positions(target.data), {}
         if rendering is not None:
             read.vertices, read.own = surfaces.places_of(target, read.arrays, rendering)
-            same = self.rest is not None and np.array_equal(rest, self.rest) and self.topology == self.in_window
+            is_known = moved or self.topology == self.in_window
+            same = is_known and self.rest is not None and np.array_equal(rest, self.rest)
             # Renders, which may subdivide otherwise, have the radii of the window.
             if self.read is None or rendering or same:
                 self.kept = self.radii or record.read(target.data).get(RADII, {})
