@@ -427,3 +427,14 @@ def test_there_is_nothing_to_remove_where_nothing_wears(target):
     user_material(target=target)
     with pytest.raises(RuntimeError, match="has wear"):
         bpy.ops.paradesc.remove_wear()
+
+
+def test_a_slot_that_is_empty_beside_others_is_said_to_be_so(target, capfd):
+    paint = user_material(target=target)
+    target.data.materials.append(None)
+    target.active_material_index = 1
+    add_wear()
+    said = capfd.readouterr().out
+    assert '"sphere" had no active material' in said
+    assert '"sphere" has materials without wear: 1.' in said
+    assert not wear_nodes(paint)

@@ -27,6 +27,7 @@ LAID_OUT = "laid out afresh"
 class TextureBake(Piece):
     """One mesh whose textures are baked, and the results."""
 
+    sharing: list[ObjectKey]  # all chosen objects with this mesh
     highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
     computed: image_files.Computed | None = None  # until all meshes are, if they share a range
@@ -36,7 +37,7 @@ class TextureBake(Piece):
     told: list[str] = field(default_factory=list)  # the notes that the panel shows
     made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     kept: image_results.ImageBake | None = None  # once its images are loaded, as the mesh keeps it
-    material: str = ""  # the name of the one that has the images now
+    materials: list[str] = field(default_factory=list)  # names of those that have the images now
 
     @property
     def owner(self) -> str:
@@ -66,10 +67,11 @@ class ImageBatch(Pieces):
         self.started = time.monotonic()
         self.cage = group.cage
         if onto:
-            found = [TextureBake(key_of(low), [*map(key_of, highs)]) for low, highs in pairs.chosen(context).items()]
+            found = [([low], highs) for low, highs in pairs.chosen(context).items()]
         else:
-            found = [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
-        super().__init__(found)
+            found = [(objects, []) for objects in targets.by_mesh(targets.chosen(context))]
+        keys = (([*map(key_of, sharing)], [*map(key_of, highs)]) for sharing, highs in found)
+        super().__init__([TextureBake(sharing[0], sharing, highs) for sharing, highs in keys])
         for piece in self.pieces:
             piece.stem = images.stem_of(piece.name, piece.owner)  # two objects may get the same
         # With one scale for several meshes none is drawn before all are computed.
@@ -172,9 +174,17 @@ class ImageBatch(Pieces):
             # Materials that name no map would render another one.
             uv_map = piece.over.name if layer is not None and not layer.active_render else ""
             rows = zip(loaded, holds, strict=True)
-            found = [image_nodes.Texture(image, names, uv_map, piece.over.repeats) for image, names in rows]
-            piece.material = image_nodes.add_to_material(target, found, piece.textures.most_telling()).name
+            self.add_to_materials(piece, [image_nodes.Texture(*row, uv_map, piece.over.repeats) for row in rows])
         image_results.keep(target.data, piece.kept)
+
+    def add_to_materials(self, piece: TextureBake, found: list[image_nodes.Texture]) -> None:
+        """Adds textures to the material of each object with this mesh, which need not be the same."""
+        for target in map(find, piece.sharing):
+            fault = image_nodes.fault(target)
+            if fault:
+                piece.notes.append(fault)
+                continue
+            piece.materials.append(image_nodes.add_to_material(target, found, piece.textures.most_telling()).name)
 
     def loaded(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
         """Writes and loads the file of a texture, or those of its tiles; without a folder they are packed instead.

@@ -101,7 +101,8 @@ def image_sentence(batch: ImageBatch) -> str:
     where = here if batch.folder is None else said("in {folder}").format(folder=batch.folder)
     found = [piece.textures.results for piece in batch.written]
     computed = sum(results.field_report["seconds_total"] for results in found)
-    materials = ", ".join(f'"{name}"' for name in dict.fromkeys(piece.material for piece in batch.written) if name)
+    added = dict.fromkeys(name for piece in batch.written for name in piece.materials)
+    materials = ", ".join(f'"{name}"' for name in added)
     parts = {
         "what": what,
         "size": batch.choice.size,

@@ -25,15 +25,19 @@ def of_chosen(context: bpy.types.Context) -> bool:
 
 
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
-    """Returns whether faces of all these objects, at least one, are too large as this source measures them."""
-    return bool(objects) and all(are_too_large(target, source) for target in objects)
+    """Returns whether faces of all these objects, at least one, are too large as this source measures them.
+
+    Never in other modes than object mode, in which people work.
+    """
+    return bool(objects) and all(target.mode == "OBJECT" and are_too_large(target, source) for target in objects)
 
 
 def are_too_large(target: bpy.types.Object, source: str) -> bool:
-    """Tells whether an object's faces are too large; never in other modes than object mode, in which people work."""
-    if target.mode != "OBJECT" or len(target.data.polygons) > MOST_FACES:
+    """Tells whether an object's faces are too large, as this source measures them in the object's mode."""
+    if len(target.data.polygons) > MOST_FACES:
         return False
-    modifiers = [] if source == source_kinds.ORIGINAL else source_meshes.shown_modifiers(target)
+    is_base = source == source_kinds.ORIGINAL or source_meshes.is_edited(target)
+    modifiers = [] if is_base else source_meshes.shown_modifiers(target)
     shown = target.evaluated_get(bpy.context.evaluated_depsgraph_get()) if modifiers else target
     # Counts are quick to get and seldom stay the same when a mesh changes.
     counts = ((len(mesh.vertices), len(mesh.polygons)) for mesh in (target.data, shown.data))

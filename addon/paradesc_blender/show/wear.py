@@ -100,7 +100,13 @@ def fault(target: bpy.types.Object) -> str:
 
 
 def needs_image(target: bpy.types.Object, source: str) -> bool:
-    """Returns whether an object's masks need images: its faces are too large, and no other mesh shares its material."""
+    """Returns whether an object's masks need images: its faces are too large, and no other mesh shares its material.
+
+    One that cannot get wear needs none, so that others with its mesh get theirs.
+    """
+    if fault(target):
+        return False
+    target.update_from_editmode()
     material = target.active_material
     users = [item for item in bpy.data.objects if material in [slot.material for slot in item.material_slots]]
     sharing = [item.data for item in users if material is not None]
@@ -120,7 +126,7 @@ def add(target: bpy.types.Object, look: str = "", of_images: bool = False) -> li
     if material is not None and look in LOOKS and is_other_look(material, LOOKS[look]):
         return exchange(target, LOOKS[look], of_images)
     if material is None:
-        return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images)]
+        return [assign(target, LOOKS.get(look, LOOKS["PAINTED_METAL"]), of_images), *notes_on_others(target)]
     if material.node_tree is None or not (bpy.app.version >= (5, 0, 0) or material.use_nodes):  # since 5 all have nodes
         give_nodes(material)
     node, is_new = wear_node(material)
@@ -141,7 +147,10 @@ def notes_on_others(target: bpy.types.Object) -> list[str]:
     others = {slot.material for slot in target.material_slots if slot.material and not has_wear(slot.material)}
     if not others:
         return []
-    return [f'"{target.name}" has materials without wear: {len(others)}. Make the slot of one active to add it there, too.']
+    return [
+        f'"{target.name}" has materials without wear: {len(others)}. Make the slot of one active to add it there, '
+        "too."
+    ]
 
 
 def give_nodes(material: bpy.types.Material) -> None:
@@ -229,7 +238,7 @@ def assign(target: bpy.types.Object, name: str, of_images: bool) -> str:
     if not target.material_slots:
         target.data[OWN_SLOT] = True
     target.active_material = material
-    return f'"{target.name}" had no material, and now has "{material.name}".'
+    return f'"{target.name}" had no active material, and now has "{material.name}".'
 
 
 def vertex_masks(material: bpy.types.Material) -> list[bpy.types.Node]:

@@ -135,11 +135,11 @@ class PARADESC_OT_add_wear(ModalJob, bpy.types.Operator):
         if at_vertices:
             batch.finish(context)
         for piece in batch.written:
-            for key in piece.sharing if at_vertices else [piece.key]:
+            for key in piece.sharing:
                 with batch.attempt(piece):
                     self.wear_of(key, not at_vertices, worn)
         if not at_vertices:
-            with wear.as_left(find(piece.key) for piece in batch.written):
+            with wear.as_left(find(key) for piece in batch.written for key in piece.sharing):
                 batch.finish()
 
     def wear_of(self, key: ObjectKey, of_images: bool, worn: list[str]) -> None:
