@@ -94,9 +94,9 @@ def write_row(work: Work, row: dict) -> None:
     """Writes a row beside the results, or in place of former ones if the asset failed."""
     arrays, path = paths_of(work.output, row["file"])
     make_folder(path.parent)
+    write_whole(path, line_of(row), results.write_text)
     if row["status"] == "failed":
         arrays.unlink(missing_ok=True)
-    write_whole(path, line_of(row), results.write_text)
 
 
 def line_of(row: dict) -> str:

@@ -27,7 +27,7 @@ def of_chosen(context: bpy.types.Context) -> bool:
 def every(objects: Sequence[bpy.types.Object], source: str) -> bool:
     """Returns whether faces of all these objects, at least one, are too large as this source measures them.
 
-    Never in other modes than object mode, in which people work.
+    They are never too large in other modes than object mode, in which people work.
     """
     return bool(objects) and all(target.mode == "OBJECT" and are_too_large(target, source) for target in objects)
 

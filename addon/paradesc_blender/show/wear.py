@@ -102,7 +102,7 @@ def fault(target: bpy.types.Object) -> str:
 def needs_image(target: bpy.types.Object, source: str) -> bool:
     """Returns whether an object's masks need images: its faces are too large, and no other mesh shares its material.
 
-    One that cannot get wear needs none, so that others with its mesh get theirs.
+    An object that cannot get wear needs none, so that others with its mesh get theirs.
     """
     if fault(target):
         return False
