@@ -128,12 +128,13 @@ void check_length(int32_t room, size_t needed) {
     refuse("The array has room for " + std::to_string(room) + " vertices, but the mesh has " + std::to_string(needed) + ".");
 }
 
-const std::vector<float> &column(const paradesc::Field &field, const std::vector<std::vector<float>> &columns, const char *name) {
+const std::vector<float> &column(const std::vector<std::string> &names, const std::vector<std::vector<float>> &columns,
+                                 const char *name) {
   need(name, "name");
-  for (size_t i = 0; i < field.names.size(); ++i)
-    if (field.names[i] == name) return columns[i];
+  for (size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return columns[i];
   std::string known;
-  for (const std::string &one : field.names) known += (known.empty() ? "" : ", ") + one;
+  for (const std::string &one : names) known += (known.empty() ? "" : ", ") + one;
   refuse(std::string("This field has no '") + name + "'; it has " + known + ".");
 }
 
@@ -392,7 +393,7 @@ int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *va
   return guarded([&] {
     need_live(field, "field");
     need(values, "values");
-    const auto &ours = column(field->field, field->field.values, name);
+    const auto &ours = column(field->field.names, field->field.values, name);
     check_length(vertex_count, field->field.mask.size());
     std::copy(ours.begin(), ours.end(), values);
   });
@@ -424,7 +425,9 @@ int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *value
     if (field->field.maps.empty())
       throw Error(PDESC_ERROR_INVALID_OPERATION,
                   "This field has no map; compute with evaluate = TEXEL on a backend other than the reference.");
-    copy_texels(column(field->field, field->field.maps, name), values, count);
+    std::vector<std::string> names = field->field.names;
+    names.emplace_back("boundary");
+    copy_texels(column(names, field->field.maps, name), values, count);
   });
 }
 

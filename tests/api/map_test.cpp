@@ -82,11 +82,14 @@ TEST_F(Maps, texels_of_a_sphere_have_its_curvature_and_so_have_vertices) {
   const Field field =
       compute_field(created.get(), {.radius = 0.05, .buffer_size = 512, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 100});
   ASSERT_EQ(pdesc_field_map_size(field.get()), 100);
-  const std::vector<float> map = map_of(field.get(), "mean_curvature"), coverage = map_of(field.get(), "coverage");
+  const std::vector<float> map = map_of(field.get(), "mean_curvature"), coverage = map_of(field.get(), "coverage"),
+                           boundary = map_of(field.get(), "boundary");
   int centers = 0;
   for (size_t i = 0; i < map.size(); ++i) {
     ASSERT_EQ(std::isnan(map[i]), std::isnan(coverage[i]));
+    ASSERT_EQ(std::isnan(map[i]), std::isnan(boundary[i]));
     if (std::isnan(map[i])) continue;
+    ASSERT_EQ(boundary[i], 0.0f) << "the sphere is closed";
     ++centers;
     // 1/R; the mesh is 2000 vertices coarse, and samples leave gaps and overlaps where seams bend.
     ASSERT_NEAR(map[i], 0.5, 0.05) << "texel " << i;

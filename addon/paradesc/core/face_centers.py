@@ -37,7 +37,7 @@ def run(
     if side > texel_centers.LARGEST_MAP:
         raise InputError(f"The mesh has {count:,} faces; values at faces end at {texel_centers.LARGEST_MAP**2:,}.")
     laid = with_a_texel_each(arrays, faces, count, side)
-    at_texels = replace(texel_centers.with_texels(settings, side), backend="cpu", domain="vertices")
+    at_texels = replace(texel_centers.with_texels(settings, side), backend="cpu")
     return at_faces(job.run(laid, at_texels, progress), settings, laid, faces, count)
 
 
@@ -97,8 +97,10 @@ def at_faces(
 ) -> job.Results:
     """The results with the texels' values as values of faces, without results that only vertices have."""
     values = {name: picture.reshape(-1, *picture.shape[2:])[:count] for name, picture in found.maps.items()}
-    coverages = [values.pop(name) for name in list(values) if name.startswith("coverage")]
-    coverage = np.minimum.reduce(coverages)
+    coverage, cut = (
+        worst.reduce([values.pop(name) for name in list(values) if name.startswith(stem)])
+        for worst, stem in ((np.minimum, "coverage"), (np.maximum, "boundary"))
+    )
 
     def areas() -> np.ndarray:
         return np.bincount(faces, advice.double_areas(laid.positions[laid.triangle_vertices]) / 2, count)
@@ -109,7 +111,7 @@ def at_faces(
         settings=replace(settings, options=replace(given, radius=options.radius), radius_fit=found.settings.radius_fit),
         values=values,
         coverage=coverage,
-        mask=mask_of(found.mask[laid.triangle_vertices], coverage, faces, count),
+        mask=mask_of(cut, coverage),
         mesh_report={**found.mesh_report, **dict.fromkeys(OF_UV_MAPS, 0)},
         maps={},
         layout=None,
@@ -120,10 +122,9 @@ def at_faces(
     return results
 
 
-def mask_of(at_corners: np.ndarray, coverage: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
-    """(count,) uint8 bits of faces, which are cut by a boundary where a vertex (triangle_count, 3) of theirs is."""
-    cut = np.bincount(faces, (at_corners & abi.MASK_BOUNDARY).any(axis=1), count) > 0
+def mask_of(cut: np.ndarray, coverage: np.ndarray) -> np.ndarray:
+    """(count,) uint8 bits of faces; cut, (count,) float32, is 1 where a boundary cuts the neighborhood."""
     with np.errstate(invalid="ignore"):
-        low = coverage < LOW_COVERAGE
-    bits = np.isnan(coverage) * abi.MASK_NO_FACE | cut * abi.MASK_BOUNDARY | low * abi.MASK_LOW_COVERAGE
+        is_cut, low = cut > 0, coverage < LOW_COVERAGE
+    bits = np.isnan(coverage) * abi.MASK_NO_FACE | is_cut * abi.MASK_BOUNDARY | low * abi.MASK_LOW_COVERAGE
     return bits.astype(np.uint8)

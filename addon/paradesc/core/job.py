@@ -427,7 +427,8 @@ def halves(progress: ProgressFunction | None) -> Iterator[ProgressFunction | Non
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
     """Adds the images over the layout: the maps of texel evaluation, and the baked buffers if asked for."""
     if results.settings.options.evaluate == "texel":
-        names = (*results.settings.descriptors, "coverage")
+        also = ("coverage", "boundary") if results.settings.domain == "faces" else ("coverage",)
+        names = (*results.settings.descriptors, *also)
         results.maps.update({name + suffix: found.map(name) for name in names})
     if with_buffers:
         results.buffers = {name: mesh.read_buffer(name) for name in bridge.BUFFERS}

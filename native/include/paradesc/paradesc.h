@@ -426,7 +426,8 @@ PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int3
  * vertices. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
 /* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 if there is none; and its values over the layout used, row by row from
- * v = 0 up, each row from u = 0: (size, size, components). NaN off the surface. count: of floats. */
+ * v = 0 up, each row from u = 0: (size, size, components). NaN off the surface. count: of floats. name: as for values, or
+ * "boundary", which is 1 where PDESC_MASK_BOUNDARY holds, else 0. */
 PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
 PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */

@@ -63,7 +63,7 @@ static int64_t bytes_of_results(const ComputationSize &size) {
 static int64_t bytes_of_texels(const ComputationSize &size) {
   const int64_t texels = int64_t{size.options.texels} * size.options.texels, rows = rows_of(size.descriptors);
   const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.piece_points;
-  return texels * static_cast<int64_t>(4 + 2 * sizeof(TexelCenter)) + texels * 8 * rows +
+  return texels * static_cast<int64_t>(8 + 2 * sizeof(TexelCenter)) + texels * 8 * rows +
          band * static_cast<int64_t>(sizeof(CenterPoint) + sizeof(vec4) + 16 + 8 * rows);
 }
 

@@ -16,7 +16,8 @@ struct Field {
   std::vector<std::string> names;         // descriptors asked for, then "coverage"
   std::vector<std::vector<float>> values; // [name][vertex, component]
   std::vector<uint8_t> mask;              // (vertex_count)
-  std::vector<std::vector<float>> maps;   // [name][texel, component] of texel evaluation, else empty; rows from v = 0 up
+  // [name, then "boundary"][texel, component] of texel evaluation, else empty; rows from v = 0 up
+  std::vector<std::vector<float>> maps;
   int map_size = 0;
   pdesc_field_report report{};
   std::string warnings;

@@ -300,6 +300,7 @@ std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResul
   for (size_t i = 0; i < descriptors.size(); ++i)
     add(results.values[i], static_cast<size_t>(descriptor_row(descriptors[i]).components));
   add(results.coverage, 1);
+  add({results.boundary.begin(), results.boundary.end()}, 1);
   return images;
 }
 

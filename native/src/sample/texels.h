@@ -36,7 +36,8 @@ TexelMap build_texel_map(const Charts &charts, int size);
 // around. A point without a wedge, or without a nearby texel of its chart, has NaN.
 CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, int threads = 0);
 
-// An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface.
+// An image of each descriptor, then of the coverage, then of the boundary, which is 1 where it cuts the neighborhood, else 0:
+// (size * size, components), NaN where there is no surface.
 std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors);
 
 } // namespace paradesc
