@@ -197,3 +197,19 @@ def test_modifiers_that_add_faces_carry_the_map(settings):
     # The sphere of the catmull-clark surface has a curvature everywhere, and nearly the same.
     values = pixels_of(bpy.data.images[0])[:, :, 0]
     assert np.ptp(np.percentile(values, (5, 95))) < 0.2
+
+
+@pytest.mark.parametrize("adds_faces", [False, True])
+def test_an_image_lies_over_the_map_as_modifiers_move_it(settings, adds_faces):
+    bpy.data.objects.remove(ball())
+    target = add_sphere("ball")
+    warp = target.modifiers.new("warp", "UV_WARP")
+    warp.uv_layer, warp.center, warp.scale = target.data.uv_layers[0].name, (0, 0), (0.5, 0.5)
+    if adds_faces:
+        target.modifiers.new("triangles", "TRIANGULATE")
+    bpy.context.scene.paradesc_animation.source, settings.image_outside = "auto", "transparent"
+    assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+    (image,) = bpy.data.images
+    covered = pixels_of(image)[::-1, :, 3] > 0
+    assert covered[:64, :64].all()
+    assert covered.mean() < 0.6, "the map is that before the modifier"  # its gutter is wide in so small an image

@@ -13,10 +13,10 @@ import bpy
 import numpy as np
 
 from paradesc.bridge import InputError, MeshArrays
-from paradesc.core import source_kinds
+from paradesc.core import source_kinds, uv_faults
 from paradesc.files.reading import Read
 
-from . import carrying, mesh_io
+from . import carrying, mesh_io, unwrap
 from .arrays import kind_of, read_array, read_corner_vertices
 
 # Modifiers that create or remove vertices or faces. Geometry Nodes may do so as well, which is tested each time.
@@ -62,7 +62,8 @@ def read(
     marks = marks_of(target) if placing and generating and former is None else None
     with marked(target.data, marks), evaluated_mesh(target) as mesh:
         if same_vertices(mesh, target.data):
-            return Read(moved(mesh, original()), source)
+            arrays = moved(mesh, original())
+            return Read(with_map(mesh, target.data, arrays) if base is None else arrays, source)
         arrays = read_made(target, mesh, corner_normals, needs_uvs)
         vertices = None if marks is None else carried(mesh, marks)
         earlier = carrying.carried_values(target, mesh) if placing and former is None else {}
@@ -92,6 +93,19 @@ def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
     """The faces of base at the mesh's positions, with the mesh's normals if base has any."""
     normals = None if base.corner_normals is None else mesh_io.read_corner_normals(mesh)
     return replace(base, positions=mesh_io.read_positions(mesh), corner_normals=normals)
+
+
+def with_map(mesh: bpy.types.Mesh, own: bpy.types.Mesh, arrays: MeshArrays) -> MeshArrays:
+    """The arrays with the UV map as modifiers leave it, such as UV Warp and UV Project, if it can be used.
+
+    mesh is the evaluated mesh. The active map of the object's own mesh counts, or one that nodes have made.
+    """
+    active = own.uv_layers.active
+    layer = mesh.uv_layers.active if active is None else mesh.uv_layers.get(active.name)
+    uvs = None if layer is None else unwrap.read_uvs(layer)
+    if uv_faults.fault(uvs, arrays.triangle_corners):
+        return arrays
+    return replace(arrays, corner_uvs=uvs, layout=None, uv_fault="")
 
 
 def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Read:
