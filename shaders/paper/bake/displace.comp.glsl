@@ -4,8 +4,8 @@
 #include "paper/bake/owner.glsl"
 #include "kernel/displace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = UNIT_INPUT_UV) uniform sampler2D input_uvs;
-layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
+layout(binding = UNIT_INPUT_UV) uniform samplerBuffer input_uvs;
+layout(binding = UNIT_TANGENTS) uniform samplerBuffer tangents;
 layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
 layout(binding = UNIT_COLORS) uniform sampler2D colors;
 layout(binding = IMAGE_POSITION) writeonly restrict uniform image2D positions;
@@ -15,9 +15,9 @@ layout(location = LOCATION_FIRST) uniform int first_row;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
 layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
-vec2 input_uv_of(int corner) { return texelFetch(input_uvs, list_texel(corner), 0).xy; }
-vec4 tangent_of(int corner) { return texelFetch(tangents, list_texel(2 * corner), 0); }
-vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_texel(2 * corner + 1), 0).xyz; }
+vec2 input_uv_of(int corner) { return texelFetch(input_uvs, corner).xy; }
+vec4 tangent_of(int corner) { return texelFetch(tangents, 2 * corner); }
+vec3 frame_normal_of(int corner) { return texelFetch(tangents, 2 * corner + 1).xyz; }
 
 // Wraps pixel numbers, which are whole, into the image. Software devices divide floats many at a time, but integers one by one.
 ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }

@@ -2,9 +2,9 @@
 // affine map of each seam edge instead of eq. 2 and 3). Lengths are in texels.
 #include "paper/evaluate/buffers.glsl"
 layout(binding = UNIT_BORDER) uniform isampler2D border;
-layout(binding = UNIT_BORDER_LIST) uniform isampler2D border_list;
-layout(binding = UNIT_BORDER_UV) uniform sampler2D border_uv;
-layout(binding = UNIT_LINKS) uniform sampler2D links;
+layout(binding = UNIT_BORDER_LIST) uniform isamplerBuffer border_list;
+layout(binding = UNIT_BORDER_UV) uniform samplerBuffer border_uv;
+layout(binding = UNIT_LINKS) uniform samplerBuffer links;
 #if PAPER
 #define MAX_JUMPS 64 // the paper's pattern is repeated within max_jumps; marches go further, to find what that leaves out
 #else
@@ -43,9 +43,9 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
   vec2 way = march.to - march.from;
   int exit_edge = -1;
   for (int i = 0; i < -cell.x; ++i) {
-    ivec2 entry = texelFetch(border_list, list_texel(cell.y + i), 0).xy;
+    ivec2 entry = texelFetch(border_list, cell.y + i).xy;
     if (entry.y != march.chart || entry.x == came_from) continue;
-    vec4 uv = texelFetch(border_uv, list_texel(entry.x), 0) * float(buffer_size);
+    vec4 uv = texelFetch(border_uv, entry.x) * float(buffer_size);
     vec2 edge = uv.zw - uv.xy;
     float slope = cross_product(edge, way);
     if (slope >= 0.0) continue;
@@ -62,15 +62,15 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
 
 // Carries the rest of the march across a seam edge; returns false if there is no other side.
 bool jump(inout March march, int edge, float t, out int came_from) {
-  vec4 matrix = texelFetch(links, list_texel(2 * edge), 0);
-  vec4 image = texelFetch(links, list_texel(2 * edge + 1), 0);
+  vec4 matrix = texelFetch(links, 2 * edge);
+  vec4 image = texelFetch(links, 2 * edge + 1);
   came_from = int(image.z);
   if (came_from < 0) {
     march.outcome = came_from == -2 ? BOUNDARY : LOST;
     march.to = mix(march.from, march.to, t);
     return false;
   }
-  vec2 origin = texelFetch(border_uv, list_texel(edge), 0).xy * float(buffer_size);
+  vec2 origin = texelFetch(border_uv, edge).xy * float(buffer_size);
   mat2 linear = mat2(matrix.xy, matrix.zw);
   vec2 crossing = mix(march.from, march.to, t);
   vec2 goal = image.xy * float(buffer_size);
@@ -106,7 +106,7 @@ void advance(inout March march) {
       int edge = first_exit(cell, march, came_from, min(leave, 1.0), t);
       if (edge >= 0) {
         if (march.jumps == MAX_JUMPS) {
-          march.outcome = texelFetch(links, list_texel(2 * edge + 1), 0).z == -2.0 ? BOUNDARY : LOST;
+          march.outcome = texelFetch(links, 2 * edge + 1).z == -2.0 ? BOUNDARY : LOST;
           return;
         }
         if (!jump(march, edge, t, came_from)) return;

@@ -66,9 +66,9 @@ bool on_chart(vec2 position, int chart) {
   ivec2 cell = texelFetch(border, texel, 0).xy;
   vec2 middle = vec2(texel) + 0.5;
   for (int i = 0; i < -cell.x; ++i) {
-    ivec2 entry = texelFetch(border_list, list_texel(cell.y + i), 0).xy;
+    ivec2 entry = texelFetch(border_list, cell.y + i).xy;
     if (entry.y != chart) continue;
-    vec4 uv = texelFetch(border_uv, list_texel(entry.x), 0) * float(buffer_size);
+    vec4 uv = texelFetch(border_uv, entry.x) * float(buffer_size);
     vec2 way = position - middle, edge = uv.zw - uv.xy;
     if ((cross_product(way, uv.xy - middle) > 0.0) == (cross_product(way, uv.zw - middle) > 0.0)) continue;
     if ((cross_product(edge, middle - uv.xy) > 0.0) != (cross_product(edge, position - uv.xy) > 0.0)) inside = !inside;

@@ -198,10 +198,9 @@ inline std::set<Program> record(std::vector<Variant> variants, bool pretended) {
   const std::set<Program> before = std::exchange(recording.programs, {});
   recording.compiles = false;
   GlThread(!pretended && !on_card(), -1, recording_driver(pretended)).run([&](const Gl &gl, ProgramCache &programs) {
-    const MapBuffer map(gl, 1);
     for (Variant &variant : variants) {
       variant.descriptors = variant.rows;
-      variant.map = descriptor_row(variant.rows[0]).needs == MapNeeds::nothing ? nullptr : &map;
+      variant.map = descriptor_row(variant.rows[0]).needs != MapNeeds::nothing;
       evaluate_program(gl, programs, variant, variant.half ? "#define HALF_FLOATS\n" : "");
     }
   });

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -57,9 +58,10 @@ private:
 // storage buffers one element at a time.
 class BufferTexture {
 public:
-  // Elements are one texel each, or several. Texels have the format GL_RGBA32F or GL_RGBA32I, always the same one.
-  template <class Element> void upload(const Gl &gl, GLenum format, const std::vector<Element> &list, GLenum usage) {
-    upload(gl, format, list.data(), list.size() * sizeof(Element), usage);
+  // Elements are a whole number of texels. These have the format GL_RGBA32F, GL_RGBA32I, GL_RG32F or GL_RG32I, always the same.
+  void upload(const Gl &gl, GLenum format, const auto &list, GLenum usage) {
+    const std::span elements(list.begin(), list.end());
+    upload(gl, format, elements.data(), elements.size_bytes(), usage);
   }
   GLuint id() const { return name_.id(); }
 
@@ -79,20 +81,6 @@ public:
 
 private:
   GlName<&Gl::DeleteTextures> name_;
-};
-
-// A long list in a 2-D texture, element i at (i % ROW, i / ROW). Software rasterizers gather fetches from textures with vector
-// instructions, but not divergent loads from storage buffers.
-class ListTexture {
-public:
-  // elements: `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I) each. The texture
-  // is kept while the size fits.
-  void upload(const Gl &gl, GLenum format, const void *elements, size_t count);
-  GLuint id() const { return texture_.id(); }
-
-private:
-  Texture texture_;
-  size_t rows_ = 0;
 };
 
 } // namespace paradesc

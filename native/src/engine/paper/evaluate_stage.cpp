@@ -42,19 +42,11 @@ EvaluateSettings TextureSpace::settings_of(const PassInputs &pass, const Job &jo
   settings.displaced = frame_.displaced != nullptr;
   settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
   settings.adaptive = static_cast<float>(options.adaptive);
-  settings.map = pass.map ? device_->map.get() : nullptr;
+  settings.map = pass.map != nullptr;
   settings.map_radius = static_cast<float>(pass.request.radius * pass.space.scale);
   settings.map_sigma = static_cast<float>(options.map_sigma) * settings.map_radius;
   settings.harris_k = static_cast<float>(options.harris_k);
   return settings;
-}
-
-void TextureSpace::bake_map(const PassInputs &pass) {
-  gl_->run([&](const Gl &gl, ProgramCache &programs) {
-    if (!device_->map || device_->map->size() != device_->buffer->size())
-      device_->map = std::make_unique<MapBuffer>(gl, device_->buffer->size());
-    device_->map->bake(programs, *device_->buffer, {pass.surface.half_edges, *pass.map});
-  });
 }
 
 // The smallest tiles still occupy every core of a software device.

@@ -25,13 +25,13 @@ bool EvaluateSettings::faces() const {
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
   border_ = Texture(gl, grid.size, grid.size, GL_RG32I);
   gl.TextureSubImage2D(border_.id(), 0, 0, 0, grid.size, grid.size, GL_RG_INTEGER, GL_INT, grid.cells.data());
-  border_list_.upload(gl, GL_RG32I, grid.list.data(), grid.list.size() / 2);
-  border_uv_.upload(gl, GL_RGBA32F, grid.border_uv.data(), grid.border_uv.size());
+  border_list_.upload(gl, GL_RG32I, grid.list, GL_STATIC_DRAW);
+  border_uv_.upload(gl, GL_RGBA32F, grid.border_uv, GL_STATIC_DRAW);
   check_gl(gl, "border upload");
 }
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams) {
-  links_.upload(gl, GL_RGBA32F, links.data(), links.size());
+  links_.upload(gl, GL_RGBA32F, links, GL_STREAM_DRAW);
   seams_.upload(gl, seams);
 }
 
@@ -85,7 +85,7 @@ static std::string variant_of(const EvaluateSettings &settings, const char *buff
          define("CHORDS", settings.chords) + define("INTEGRAL", settings.estimator == PDESC_ESTIMATOR_INTEGRAL) +
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
-         define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) + buffer_variant;
+         define("MAP", settings.map) + define("FACES", settings.faces()) + buffer_variant;
 }
 
 GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, const char *buffer_variant) {
@@ -171,12 +171,13 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
           .unused = 0};
 }
 
-// Binds the inputs of one program other than the geometry buffer.
-void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
+// Binds the inputs of one program.
+void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer, const EvaluateSettings &settings) const {
+  buffer.bind();
   bind_march(gl);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   if (settings.map) {
-    settings.map->bind();
+    buffer.bind_map();
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
   }
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
@@ -190,10 +191,9 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
     params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
     if (settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-    bind(gl, settings);
+    bind(gl, buffer, settings);
     const GLuint program = evaluate_program(gl, programs, settings, buffer.variant());
     gl.UseProgram(program);
-    buffer.bind();
     gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
     gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
     dispatch_marches(gl, program, settings, params);

@@ -7,7 +7,6 @@
 
 #include "engine/paper/border_grid.h"
 #include "engine/paper/geometry_buffer.h"
-#include "engine/paper/map_buffer.h"
 #include "engine/paper/program.h"
 
 #include "shared.h"
@@ -21,21 +20,21 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;                    // pdesc_pattern
-  int ellipse;                    // pdesc_ellipse
-  int samples_at_once;            // samples that march in one dispatch
-  bool chords;                    // distances along the surface are sums of chords
-  float radius;                   // in buffer units
-  float enlargement;              // of the sampling ellipse over the radius
-  bool paper;                     // the whole pattern again on each chart; else each sample by itself (affine)
-  int estimator;                  // pdesc_estimator of the curvatures
-  bool use_control_variate;       // subtracts the part of the samples' noise that the shape operator explains
-  bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;                 // 0: all samples everywhere
-  bool displaced = false;         // the surface is displaced, so its faces differ from the mesh's
-  const MapBuffer *map = nullptr; // read by operators
-  float map_radius = 0;           // radius at which the map was computed, in buffer units
-  float map_sigma = 0;            // sigma of the operators' Gaussian windows, in buffer units
+  int pattern;              // pdesc_pattern
+  int ellipse;              // pdesc_ellipse
+  int samples_at_once;      // samples that march in one dispatch
+  bool chords;              // distances along the surface are sums of chords
+  float radius;             // in buffer units
+  float enlargement;        // of the sampling ellipse over the radius
+  bool paper;               // the whole pattern again on each chart; else each sample by itself (affine)
+  int estimator;            // pdesc_estimator of the curvatures
+  bool use_control_variate; // subtracts the part of the samples' noise that the shape operator explains
+  bool geodesic_ball;       // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;           // 0: all samples everywhere
+  bool displaced = false;   // the surface is displaced, so its faces differ from the mesh's
+  bool map = false;         // operators read the map of the geometry buffer
+  float map_radius = 0;     // radius at which the map was computed, in buffer units
+  float map_sigma = 0;      // sigma of the operators' Gaussian windows, in buffer units
   float harris_k = 0;
 
   // The most centers of one dispatch: each keeps one or two kilobytes between dispatches, and in the paper's way its visits.
@@ -75,16 +74,15 @@ public:
 
 private:
   EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;
-  void bind(const Gl &gl, const EvaluateSettings &settings) const;
+  void bind(const Gl &gl, const GeometryBuffer &buffer, const EvaluateSettings &settings) const;
   void bind_march(const Gl &gl) const;
   size_t centers_side_by_side(const Gl &gl, const EvaluateSettings &settings) const;
   void dispatch_marches(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params);
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateParams &params) const;
 
   Texture border_;
-  ListTexture border_list_, border_uv_, links_;
   Buffer params_, centers_, pattern_, results_, seams_, visits_, stretches_, progress_, map_centers_;
-  BufferTexture faces_;
+  BufferTexture border_list_, border_uv_, links_, faces_;
   int count_ = 0;
 };
 

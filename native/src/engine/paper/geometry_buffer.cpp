@@ -6,7 +6,6 @@
 
 #include "engine/paper/dispatch.h"
 #include "engine/paper/half.h"
-#include "shared.h"
 #include "support/error.h"
 
 namespace paradesc {
@@ -34,8 +33,6 @@ GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
       throw Error(PDESC_ERROR_UNSUPPORTED, "This device cannot draw into float buffers of " + std::to_string(size) + " x " +
                                                std::to_string(size) + " texels; use smaller buffers or the reference backend.");
 }
-
-GeometryBuffer::~GeometryBuffer() = default;
 
 double GeometryBuffer::megabytes() const {
   constexpr int ids = 8, weights = 8;
@@ -204,8 +201,12 @@ void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int las
   check_gl(gl_, "bake");
 }
 
-void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map) {
-  const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map.id()}));
+void GeometryBuffer::draw_map(ProgramCache &programs, const HalfEdges &half_edges, const MapValues &points) {
+  if (!map_.id()) map_ = Texture(gl_, size_, size_, GL_RGBA32F);
+  const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map_.id()}));
+  std::vector<vec4> values;
+  values.reserve(half_edges.corner_point.size());
+  for (const int32_t point : half_edges.corner_point) values.push_back(point >= 0 ? points[point] : vec4(0.0f));
   values_.upload(gl_, GL_RGBA32F, values, GL_STREAM_DRAW);
   gl_.UseProgram(programs.get(
       gl_, "map", {{GL_VERTEX_SHADER, "paper/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "paper/bake/map.frag.glsl"}}));
@@ -275,6 +276,8 @@ std::vector<vec4> GeometryBuffer::read_normal() const {
   }
   return texels;
 }
+
+std::vector<vec4> GeometryBuffer::read_map() const { return read_image(gl_, map_.id(), size_); }
 
 std::vector<int32_t> GeometryBuffer::read_ids() const {
   std::vector<int32_t> texels(2 * static_cast<size_t>(size_) * static_cast<size_t>(size_));

@@ -5,11 +5,14 @@
 #include <vector>
 
 #include "bake/distortion.h"
+#include "descriptor/passes.h"
 #include "engine/paper/buffer.h"
 #include "engine/paper/program.h"
 #include "mesh/atlas.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
+
+#include "shared.h"
 
 namespace paradesc {
 
@@ -26,7 +29,6 @@ class GeometryBuffer {
 public:
   // half: positions and normals in 16-bit floats.
   GeometryBuffer(const Gl &gl, int size, bool half = false);
-  ~GeometryBuffer();
   GeometryBuffer(const GeometryBuffer &) = delete;
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
@@ -39,11 +41,12 @@ public:
   // Draw a frame, in steps: corners, some rows at a time.
   void place_corners(const BakeInput &input, const Normals &normals);
   void draw_surface(ProgramCache &programs, int first_row, int last_row);
-  // Draws values at corners to texels, using the same owners.
-  void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
+  // Draws a map's values at points to texels, using the same owners.
+  void draw_map(ProgramCache &programs, const HalfEdges &half_edges, const MapValues &points);
 
-  // Binds the textures that samples read.
+  // Bind the textures that samples read: the surface, and the map that was drawn last.
   void bind() const;
+  void bind_map() const { gl_.BindTextureUnit(UNIT_MAP, map_.id()); }
   // Binds the layout and the frame's corners, for owner.glsl and metric.glsl.
   void bind_owners() const;
   // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
@@ -53,6 +56,7 @@ public:
   std::vector<vec4> read_position() const; // (size * size) position, area element in buffer units
   std::vector<vec4> read_normal() const;
   std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
+  std::vector<vec4> read_map() const;    // (size * size)
   int size() const { return size_; }
   bool half() const { return half_; }
   // The define that shaders which read the buffer's texels are compiled with.
@@ -80,6 +84,7 @@ private:
   double area_in_map_ = 0.0; // of all triangles
   int triangle_count_ = 0;
   Texture position_, normal_, ids_, weights_;
+  Texture map_; // made when a map is first drawn
   BufferTexture corner_uvs_, vertices_, values_;
   GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
   GlName<&Gl::DeleteVertexArrays> no_attributes_;

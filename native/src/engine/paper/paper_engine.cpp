@@ -21,7 +21,7 @@ public:
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
   bool lost() const override { return thread_->lost(); }
-  std::unique_ptr<Session> open_session() override { return open_texture_space(thread_, software_); }
+  std::unique_ptr<Session> open_session() override { return std::make_unique<TextureSpace>(thread_, software_); }
 
 private:
   bool software_;

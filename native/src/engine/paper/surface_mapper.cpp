@@ -32,19 +32,17 @@ void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
 }
 
 void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const Normals &normals, const SurfaceMaps &maps) {
-  const Triangles &triangles = input.triangles;
-  const SharedArray<vec2> &uvs = triangles.input_uv;
-  input_uvs_.upload(gl, GL_RG32F, uvs.begin(), uvs.size());
+  input_uvs_.upload(gl, GL_RG32F, input.triangles.input_uv, GL_STREAM_DRAW);
   std::vector<vec4> tangents;
   if (maps.normal_map) {
     const std::vector<vec4> &own = maps.normal_map->corner_tangent;
     tangents.reserve(2 * own.size());
     for (size_t corner = 0; corner < own.size(); ++corner) {
       tangents.push_back(own[corner]);
-      tangents.emplace_back(frame_normal(triangles, normals, corner), 0.0f);
+      tangents.emplace_back(frame_normal(input.triangles, normals, corner), 0.0f);
     }
   }
-  tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
+  tangents_.upload(gl, GL_RGBA32F, tangents, GL_STREAM_DRAW);
 }
 
 // A program for each choice instead of uniforms: zink of Mesa 25 compiles uniforms into programs, and kept an outdated value.

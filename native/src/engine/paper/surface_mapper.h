@@ -18,7 +18,7 @@ private:
 
   int version_ = 0;
   Texture heights_, colors_;
-  ListTexture input_uvs_, tangents_;
+  BufferTexture input_uvs_, tangents_;
 };
 
 } // namespace paradesc

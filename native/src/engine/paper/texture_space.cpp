@@ -41,7 +41,9 @@ void TextureSpace::prepare(const Surface &surface, const Request &request, const
 }
 
 EvaluatePass TextureSpace::start(const PassInputs &pass) {
-  if (pass.map) bake_map(pass);
+  if (pass.map)
+    gl_->run(
+        [&](const Gl &, ProgramCache &programs) { device_->buffer->draw_map(programs, pass.surface.half_edges, *pass.map); });
   const Job job{pass.surface, pass.request, pass.resources};
   if (settings_of(pass, job, pass.pass.rows).faces())
     gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_faces(gl, pass.surface.triangles); });
@@ -49,10 +51,6 @@ EvaluatePass TextureSpace::start(const PassInputs &pass) {
              const Centers &centers, std::span<const int> rows, const Part &progress) {
     return evaluate(pass, sizes, centers, rows, progress);
   };
-}
-
-std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software) {
-  return std::make_unique<TextureSpace>(std::move(thread), software);
 }
 
 } // namespace paradesc

@@ -16,7 +16,6 @@
 #include "engine/paper/evaluator.h"
 #include "engine/paper/geometry_buffer.h"
 #include "engine/paper/gl_thread.h"
-#include "engine/paper/map_buffer.h"
 #include "engine/paper/surface_mapper.h"
 #include "support/keyed.h"
 
@@ -96,7 +95,6 @@ private:
   struct OnDevice {
     std::unique_ptr<GeometryBuffer> buffer;
     Evaluator evaluator;
-    std::unique_ptr<MapBuffer> map; // if an operator was asked for
     SurfaceMapper mapper;
   };
 
@@ -113,7 +111,6 @@ private:
                          std::span<const int> rows, const Part &progress);
   void evaluate_tiles(const Resources &resources, const EvaluateSettings &settings, const Part &progress);
   CenterResults results_of(const EvaluateSettings &settings, size_t count, const std::vector<int32_t> &numbers) const;
-  void bake_map(const PassInputs &pass);
 
   std::shared_ptr<GlThread> gl_;
   bool software_;
@@ -126,7 +123,5 @@ private:
   Frame frame_;                     // of the last prepare()
   std::vector<float> rows_;         // results of the last centers: a new array would take as long to allocate
 };
-
-std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);
 
 } // namespace paradesc

@@ -1,5 +1,5 @@
 // Maps in texture space: every texel has the map's value at the surface point that it holds.
-#include "engine/paper/map_buffer.h"
+#include "engine/paper/geometry_buffer.h"
 
 #include "engine/paper/baked.h"
 #include "support/layout.h"
@@ -28,9 +28,8 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
     const BakeInput input{built.triangles, built.charts, buffers.bake_space};
     draw_layout(buffer, programs, input);
     draw_frame(buffer, programs, input, normals);
-    MapBuffer maps(gl, 256);
-    maps.bake(programs, buffer, {built.half_edges, values});
-    map = maps.read();
+    buffer.draw_map(programs, built.half_edges, values);
+    map = buffer.read_map();
     buffers.position = buffer.read_position();
     buffers.ids = buffer.read_ids();
   });
