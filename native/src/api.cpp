@@ -296,9 +296,7 @@ int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char
     const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     auto result = std::make_unique<pdesc_field>();
-    result->field = paradesc::compute(*mesh->mesh, ours, requested, [&](const char *stage, double fraction) {
-      return !progress || progress(user, stage, fraction) != 0;
-    });
+    result->field = paradesc::compute(*mesh->mesh, ours, requested, paradesc::progress_of(progress, user));
     *field = live().add(std::move(result));
   });
 }

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/counting_creases.h"
 #include "support/creases.h"
 #include "support/real_mesh.h"
 #include "support/solids.h"

@@ -9,7 +9,6 @@
 
 #include "bake/surface_maps.h"
 #include "mesh/division.h"
-#include "mesh/extent.h"
 
 namespace paradesc {
 

@@ -16,9 +16,9 @@ namespace paradesc {
 
 static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
   const double radius = requested_radius(mesh, options);
-  if (radius > mesh.extent.diagonal)
+  if (radius > mesh.box.diagonal())
     throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The radius is " + shown(radius) + ", but the mesh's diagonal is only " +
-                                                  shown(mesh.extent.diagonal) + "; choose a smaller radius.");
+                                                  shown(mesh.box.diagonal()) + "; choose a smaller radius.");
   return radius;
 }
 
@@ -62,7 +62,7 @@ static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
                   normals_of(mesh, options),
                   options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
                   mesh.maps,
-                  mesh.extent.box,
+                  mesh.box,
                   mesh.atlases,
                   mesh.positions_version};
   surface.facets = [&]() -> const Facets & { return facets_of(mesh, options); };

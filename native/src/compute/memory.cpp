@@ -48,7 +48,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
 // Roughly how many disks of the radius cover the surface's area, taking it for a sphere of the same extent; 0 for a radius that
 // no computation accepts.
 static double disks_of(const Mesh &mesh, const pdesc_options &options) {
-  const double part = requested_radius(mesh, options) / mesh.extent.diagonal;
+  const double part = requested_radius(mesh, options) / mesh.box.diagonal();
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
 }
 

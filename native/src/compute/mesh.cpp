@@ -4,7 +4,6 @@
 #include <string>
 
 #include "compute/memory.h"
-#include "mesh/counting_creases.h"
 #include "mesh/steady_faces.h"
 #include "mesh/winding.h"
 #include "support/cancel.h"
@@ -43,9 +42,9 @@ double mean_edge_of(const Mesh &mesh) {
 
 pdesc_mesh_report report_of(const Mesh &mesh) {
   pdesc_mesh_report report = mesh.found;
-  report.diagonal = static_cast<float>(mesh.extent.diagonal);
+  report.diagonal = static_cast<float>(mesh.box.diagonal());
   report.mean_edge = static_cast<float>(mean_edge_of(mesh));
-  report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.extent.box, mesh.context->threads);
+  report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.box, mesh.context->threads);
   return report;
 }
 
@@ -58,10 +57,7 @@ void check_triangle_count(const Abilities &abilities, int32_t triangles) {
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   check_memory_of_input(*context, input);
   check_triangle_count(abilities_of(context->backend), input.triangle_count);
-  const CancelScope cancel([&] {
-    if (input.progress && !input.progress(input.user, "mesh", 0.0))
-      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
-  });
+  const CancelScope cancel([&] { check_cancel(progress_of(input.progress, input.user), "mesh", 0.0); });
   auto mesh = std::make_unique<Mesh>();
   const int threads = context->threads;
   mesh->context = std::move(context);
@@ -70,7 +66,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   mesh->half_edges = build_half_edges(mesh->triangles, threads);
   mesh->atlases = Atlases(build_charts(mesh->triangles, mesh->half_edges, {}, threads));
   checkpoint();
-  mesh->extent = measure_extent(mesh->triangles, mesh->half_edges, threads);
+  mesh->box = bounding_box(mesh->triangles, mesh->half_edges, threads);
   mesh->found = describe(mesh->triangles, mesh->half_edges, mesh->atlases.current().charts);
   return mesh;
 }
@@ -78,11 +74,11 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
   ++mesh.positions_version;
-  mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
+  mesh.box = bounding_box(mesh.triangles, mesh.half_edges, mesh.context->threads);
 }
 
 double requested_radius(const Mesh &mesh, const pdesc_options &options) {
-  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.extent.diagonal
+  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.box.diagonal()
                       : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mean_edge_of(mesh)
                                                                       : 1.0;
   return options.radius * unit;

@@ -26,7 +26,7 @@ struct Mesh {
   HalfEdges half_edges;
   Atlases atlases;
   SurfaceMaps maps;
-  Extent extent;
+  Box box; // of the positions
   uint64_t positions_version = 0;
   pdesc_mesh_report found{}; // defects of the mesh and its UV map as given
 

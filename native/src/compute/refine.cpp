@@ -38,8 +38,7 @@ Surface refined_surface_of(Mesh &mesh, const pdesc_options &options) {
   const NormalsOnDemand normals = normals_of(mesh, options);
   const Division &division = division_of(mesh, options);
   const RefinedSurface &refined = mesh.refined.get({mesh.divisions, normals.key, mesh.maps.version}, [&] {
-    return refine_surface(mesh.maps, mesh.triangles, mesh.half_edges, normals(), bake_space_of(mesh.extent.box), division,
-                          threads);
+    return refine_surface(mesh.maps, mesh.triangles, mesh.half_edges, normals(), bake_space_of(mesh.box), division, threads);
   });
   static const SurfaceMaps none;
   return {refined.triangles,

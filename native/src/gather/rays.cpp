@@ -6,13 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 
 #include "gather/blend.h"
 #include "mesh/ray_tree.h"
 #include "support/cancel.h"
-#include "support/error.h"
 #include "support/parallel.h"
+#include "support/progress.h"
 
 namespace paradesc {
 namespace {
@@ -30,15 +29,11 @@ RayHit met_by(const RayTree &tree, const float *ray, double reach) {
 
 void cast_rays(const pdesc_rays_input &input, std::span<int32_t> triangles, std::span<float> weights) {
   std::atomic<int> done{0};
-  const auto ask = [&] {
-    if (!input.progress(input.user, "rays", static_cast<double>(done) / std::max(input.ray_count, 1)))
-      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage rays.");
+  const auto ask = [&, progress = progress_of(input.progress, input.user)] {
+    check_cancel(progress, "rays", static_cast<double>(done) / std::max(input.ray_count, 1));
   };
-  std::optional<CancelScope> scope;
-  if (input.progress) {
-    ask();
-    scope.emplace(ask);
-  }
+  ask();
+  const CancelScope scope(ask);
   const RayTree tree({input.positions, size_t{3} * static_cast<size_t>(input.vertex_count)},
                      {input.triangle_vertices, size_t{3} * static_cast<size_t>(input.triangle_count)}, input.threads);
   parallel_blocks(input.ray_count, input.threads, rays_in_block, [&](int begin, int end) {

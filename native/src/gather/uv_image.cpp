@@ -16,8 +16,8 @@
 
 #include "gather/blend.h"
 #include "support/cancel.h"
-#include "support/error.h"
 #include "support/parallel.h"
+#include "support/progress.h"
 
 namespace paradesc {
 namespace {
@@ -307,15 +307,11 @@ void draw_band(const pdesc_uv_image_input &input, const std::vector<Range> &rows
 
 void draw_uv_image(const pdesc_uv_image_input &input, std::span<float> image) {
   std::atomic<int> rows_done{0};
-  const auto ask = [&] {
-    if (!input.progress(input.user, "image", static_cast<double>(rows_done) / input.size))
-      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage image.");
+  const auto ask = [&, progress = progress_of(input.progress, input.user)] {
+    check_cancel(progress, "image", static_cast<double>(rows_done) / input.size);
   };
-  std::optional<CancelScope> scope;
-  if (input.progress) {
-    ask();
-    scope.emplace(ask);
-  }
+  ask();
+  const CancelScope scope(ask);
   const std::vector<Range> rows = rows_of_triangles(input);
   parallel_blocks(input.size, input.threads, band_rows, [&](int begin, int end) {
     draw_band(input, rows, {begin, end - 1}, image.data() + begin * input.size * input.components);

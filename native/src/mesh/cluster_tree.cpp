@@ -211,14 +211,10 @@ PointNeighbors find_point_neighbors(const HalfEdges &half_edges) {
     const auto meet = [&](int32_t corner) {
       if (half_edges.corner_point[corner] != point) found.neighbor.push_back(half_edges.corner_point[corner]);
     };
-    const int32_t first = half_edges.point_half_edge[point];
-    for (int32_t corner = first; corner >= 0;) {
+    for_each_corner_around(half_edges, point, [&](int32_t corner) {
       meet(next_corner(corner));
-      const int32_t previous = previous_corner(corner);
-      corner = half_edges.twin[previous];
-      if (corner < 0) meet(previous);
-      if (corner == first) break;
-    }
+      if (const int32_t previous = previous_corner(corner); half_edges.twin[previous] < 0) meet(previous);
+    });
     found.begin.push_back(static_cast<int32_t>(found.neighbor.size()));
   }
   return found;

@@ -7,7 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "mesh/ball_flood.h"
 #include "mesh/steady_faces.h"
 #include "support/parallel.h"
 #include "support/pool.h"
@@ -84,6 +83,44 @@ double bowl_on_segment(dvec3 begin, dvec3 direction, double length, double radiu
   return low < high ? up_to(high) - up_to(low) : 0;
 }
 
+// Finds the triangles connected within a ball to a place on the surface. One thread reuses it from place to place, so that its
+// arrays stay allocated. The surface is borrowed.
+class BallFlood {
+public:
+  BallFlood(const Triangles &triangles, const HalfEdges &half_edges)
+      : triangles_(triangles), half_edges_(half_edges), mark_(static_cast<size_t>(triangles.triangle_count), 0) {}
+
+  // center: within the first triangle. The result is valid until the next call.
+  const std::vector<int32_t> &run(dvec3 center, int32_t first, double radius) {
+    ++places_;
+    reached_.clear();
+    reach(first);
+    const double square = radius * radius;
+    for (size_t looked = 0; looked < reached_.size(); ++looked)
+      for (int32_t edge = 3 * reached_[looked], last = edge + 3; edge < last; ++edge) {
+        const int32_t twin = half_edges_.twin[edge];
+        if (twin < 0 || mark_[twin / 3] == places_) continue;
+        const dvec3 begin = dvec3(triangles_.position(edge)) - center,
+                    end = dvec3(triangles_.position(next_corner(edge))) - center;
+        if (glm::dot(begin, begin) < square || glm::dot(end, end) < square || segment_distance2(begin, end) < square)
+          reach(twin / 3);
+      }
+    return reached_;
+  }
+
+private:
+  void reach(int32_t triangle) {
+    mark_[triangle] = places_;
+    reached_.push_back(triangle);
+  }
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  std::vector<int32_t> mark_; // (triangles) the last place that reached it
+  int32_t places_ = 0;
+  std::vector<int32_t> reached_;
+};
+
 // The sum of signed bends times the dyads of the edges' directions.
 struct BendTensor {
   dvec3 squares_of_axes{0}, products{0}; // xx, yy, zz; yz, zx, xy
@@ -105,12 +142,10 @@ public:
 
   Turning around(int32_t edge, double reach, BallFlood &flood) const {
     const dvec3 center = middle_of(triangles_, edge);
-    flood.start_in_triangle(center, edge / 3);
-    flood.grow(reach);
     Turning turning;
     BendTensor all;
     std::array<BendTensor, octants> others;
-    for (const int32_t triangle : flood.triangles())
+    for (const int32_t triangle : flood.run(center, edge / 3, reach))
       for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
         const int32_t twin = half_edges_.twin[h];
         if (twin <= h) continue;

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "mesh/crease_lines.h"
 #include "mesh/halfedge.h"
 #include "mesh/triangles.h"
 
@@ -37,11 +36,13 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 // (triangle_count) round_steady_normals.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
-// Returns the edges of agreed lines together with the kept creases. lines: the lines of `edges`, which ascend.
-Creases creases_of_lines(const HalfEdges &half_edges, const std::vector<int32_t> &edges, const EdgeLines &lines,
-                         const Creases &kept);
-
 // Returns the marked creases only.
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges);
+
+// Returns the creases that count at a radius. Marked creases always count. A line of other creases counts if all other edges
+// within CREASE_REACH radii around it turn the normals by at most 0.7 of what the creases do. A fold on a surface that itself
+// bends as much is not the edge of a solid. Bends whose signs vary like noise cancel. normals: as for find_creases.
+Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
+                           std::span<const vec3> normals, double radius, int threads = 0);
 
 } // namespace paradesc

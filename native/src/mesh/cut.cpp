@@ -6,7 +6,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -19,16 +18,16 @@ namespace {
 constexpr double hair = 2e-6;
 constexpr int deepest = 20; // levels of the quadtree; its squares are then smaller than a hair
 
-struct Outline {
+struct Outline : Bounds<dvec2> {
   std::array<dvec2, 3> corner;
-  dvec2 low, high;
 };
 
 Outline outline(const Charts &charts, int32_t triangle) {
   Outline result;
-  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(charts.corner_uv[3 * triangle + i]);
-  result.low = glm::min(glm::min(result.corner[0], result.corner[1]), result.corner[2]);
-  result.high = glm::max(glm::max(result.corner[0], result.corner[1]), result.corner[2]);
+  for (size_t i = 0; i < 3; ++i) {
+    result.corner[i] = dvec2(charts.corner_uv[3 * triangle + i]);
+    result.add(result.corner[i]);
+  }
   return result;
 }
 
@@ -68,16 +67,9 @@ struct Squares {
   }
 };
 
-struct Range {
-  dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-};
-
-Range range_of(const Charts &charts) {
-  Range range;
-  for (const vec2 &uv : charts.corner_uv) {
-    range.low = glm::min(range.low, dvec2(uv));
-    range.high = glm::max(range.high, dvec2(uv));
-  }
+Bounds<dvec2> range_of(const Charts &charts) {
+  Bounds<dvec2> range;
+  for (const vec2 &uv : charts.corner_uv) range.add(dvec2(uv));
   return range;
 }
 
@@ -85,11 +77,11 @@ Range range_of(const Charts &charts) {
 Squares sort_into_squares(const Charts &charts) {
   const auto triangle_count = static_cast<int32_t>(charts.triangle_chart.size());
   constexpr int64_t max_per_triangle = 16;
-  const Range range = range_of(charts);
+  const Bounds<dvec2> range = range_of(charts);
   Squares squares;
   squares.side = std::clamp(static_cast<int>(std::sqrt(0.5 * triangle_count)), 1, 4096);
   squares.low = range.low;
-  squares.per_unit = squares.side / std::max({range.high.x - range.low.x, range.high.y - range.low.y, hair});
+  squares.per_unit = squares.side / std::max({range.size().x, range.size().y, hair});
   const auto each_triangle = [&](const auto &visit) {
     for (int32_t triangle = 0; triangle < triangle_count; ++triangle)
       if (charts.triangle_chart[triangle] >= 0) visit(triangle, outline(charts, triangle));
@@ -161,10 +153,10 @@ class Occupancy {
 public:
   explicit Occupancy(const Charts &charts) : charts_(charts) {}
 
-  // Triangles must lie between low and high.
-  void set_range(dvec2 low, dvec2 high) {
-    low_ = low;
-    side_ = std::max({high.x - low.x, high.y - low.y, hair});
+  // Triangles must lie in the range.
+  void set_range(const Bounds<dvec2> &range) {
+    low_ = range.low;
+    side_ = std::max({range.size().x, range.size().y, hair});
   }
 
   void clear() {
@@ -175,7 +167,7 @@ public:
   void insert(int32_t triangle) {
     const Outline own = outline(charts_, triangle);
     const dvec2 middle = 0.5 * (own.low + own.high);
-    const double extent = std::max(own.high.x - own.low.x, own.high.y - own.low.y);
+    const double extent = std::max(own.size().x, own.size().y);
     int32_t node = 0;
     dvec2 low = low_;
     double half = 0.5 * side_;
@@ -193,14 +185,9 @@ public:
   bool overlaps(int32_t triangle) const { return overlaps(outline(charts_, triangle), nodes_[0]); }
 
 private:
-  struct Node {
+  struct Node : Bounds<dvec2> {
     std::array<int32_t, 4> child{-1, -1, -1, -1};
     int32_t first = -1; // into items_
-    dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-    void add(const Outline &own) {
-      low = glm::min(low, own.low);
-      high = glm::max(high, own.high);
-    }
   };
   struct Item {
     int32_t triangle, next;
@@ -241,14 +228,12 @@ struct Cutting {
 
 // The triangle of the chart that is the most steps away: strips are then cut from one end. Sets the range to the chart's.
 int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
-  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  Bounds<dvec2> range;
   cutting.queue.assign(1, start);
   seen[start] = 1;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     const int32_t triangle = cutting.queue[i];
-    const Outline own = outline(cutting.charts, triangle);
-    low = glm::min(low, own.low);
-    high = glm::max(high, own.high);
+    range.add(outline(cutting.charts, triangle));
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
       const int32_t next = cutting.link[h] / 3;
       if (cutting.link[h] < 0 || seen[next]) continue;
@@ -256,7 +241,7 @@ int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
       cutting.queue.push_back(next);
     }
   }
-  cutting.occupancy.set_range(low, high);
+  cutting.occupancy.set_range(range);
   return cutting.queue.back();
 }
 
@@ -300,8 +285,7 @@ bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
 
 // Returns whether triangles of two different charts overlap. Must be called when no chart overlaps itself.
 bool charts_overlap(const Charts &charts, Occupancy &occupancy) {
-  const Range range = range_of(charts);
-  occupancy.set_range(range.low, range.high);
+  occupancy.set_range(range_of(charts));
   occupancy.clear();
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
     if (triangle % 1024 == 0) checkpoint();

@@ -353,23 +353,39 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
 Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   constexpr int block = 65536;
   if (half_edges.point_vertex.empty()) return {};
-  const vec3 first = triangles.positions[half_edges.point_vertex.front()];
   const auto count = static_cast<int>(half_edges.point_vertex.size());
-  std::vector<std::pair<vec3, vec3>> parts(static_cast<size_t>(Blocks{count, block}.number()), {first, first});
+  std::vector<Bounds<vec3>> parts(static_cast<size_t>(Blocks{count, block}.number()));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    auto &[low, high] = parts[begin / block];
-    for (int i = begin; i < end; ++i) {
-      const vec3 position = triangles.positions[half_edges.point_vertex[i]];
-      low = glm::min(low, position);
-      high = glm::max(high, position);
+    Bounds<vec3> &part = parts[begin / block];
+    for (int i = begin; i < end; ++i) part.add(triangles.positions[half_edges.point_vertex[i]]);
+  });
+  Bounds<vec3> whole;
+  for (const Bounds<vec3> &part : parts) whole.add(part);
+  return {dvec3(whole.low), dvec3(whole.high)};
+}
+
+// Sums in blocks of a fixed size, so that the sum does not depend on the number of threads.
+double mean_edge(const Triangles &triangles, const HalfEdges &mesh, int threads) {
+  constexpr int block = 65536;
+  const int half_edges = 3 * triangles.triangle_count;
+  std::vector<std::pair<double, int>> parts(static_cast<size_t>(Blocks{half_edges, block}.number())); // sum and count
+  parallel_blocks(half_edges, threads, block, [&](int begin, int end) {
+    auto &[sum, count] = parts[begin / block];
+    for (int h = begin; h < end; ++h) {
+      // Counts each edge once: a pair by its lower half-edge.
+      const int32_t twin = mesh.twin[h];
+      if (mesh.corner_point[h] < 0 || (twin >= 0 && twin < h)) continue;
+      sum += length(dvec3(triangles.position(next_corner(h))) - dvec3(triangles.position(h)));
+      ++count;
     }
   });
-  vec3 lowest = first, highest = first;
-  for (const auto &[low, high] : parts) {
-    lowest = glm::min(lowest, low);
-    highest = glm::max(highest, high);
+  double sum = 0.0;
+  int count = 0;
+  for (const auto &[part, edges] : parts) {
+    sum += part;
+    count += edges;
   }
-  return {dvec3(lowest), dvec3(highest)};
+  return count ? sum / count : 0.0;
 }
 
 } // namespace paradesc

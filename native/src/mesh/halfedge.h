@@ -35,6 +35,16 @@ struct HalfEdges {
   std::vector<int32_t> triangle_piece; // (triangle_count) those of one component share a number; -1: left out
 };
 
+// Calls visit(corner) for each corner of a point, turning from its first one.
+template <class Visit> void for_each_corner_around(const HalfEdges &half_edges, int32_t point, const Visit &visit) {
+  const int32_t first = half_edges.point_half_edge[point];
+  for (int32_t corner = first; corner >= 0;) {
+    visit(corner);
+    corner = half_edges.twin[previous_corner(corner)];
+    if (corner == first) break;
+  }
+}
+
 // threads as in pdesc_context_options.
 HalfEdges build_half_edges(const Triangles &triangles, int threads = 0);
 
@@ -62,7 +72,11 @@ double surface_angle(const Triangles &triangles, int corner);
 // The box around the vertices that have a point; if there are none, a box of no size at the origin.
 struct Box {
   dvec3 low{0.0}, high{0.0};
+  double diagonal() const { return length(high - low); }
 };
 Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0);
+
+// The mean length of all edges; 0 if there are none.
+double mean_edge(const Triangles &triangles, const HalfEdges &half_edges, int threads);
 
 } // namespace paradesc

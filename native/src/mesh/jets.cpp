@@ -2,9 +2,10 @@
 // under the name KERNEL_TARGET. The variants must not share any code, not even a function of the standard library.
 #include "mesh/jets.h"
 
+#include "support/targets.h"
+
 namespace paradesc {
 namespace KERNEL_TARGET {
-extern const FitGradients gradients_of_this;
 namespace {
 
 constexpr int spare_neighbors = 2;             // needed in addition to the number of coefficients
@@ -140,8 +141,8 @@ void fit(const Heights &heights, Gradients &gradients) {
 }
 
 } // namespace
-
-const FitGradients gradients_of_this = fit;
-
 } // namespace KERNEL_TARGET
+
+PARADESC_TARGET(FitGradients, fit_gradients) = KERNEL_TARGET::fit;
+
 } // namespace paradesc

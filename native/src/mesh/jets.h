@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace paradesc {
 
@@ -33,6 +34,7 @@ struct Gradients {
 // third of the cubic jet's noise. F is the ratio of Fisher's test of the larger model, about 1 if the terms explain nothing; the
 // shrinkage 1 - c/F is James and Stein's.
 using FitGradients = void (*)(const Heights &heights, Gradients &gradients);
-FitGradients fit_gradients(); // by the widest instructions that this processor has
+// The functions for the instruction sets that this processor has, the widest first.
+std::vector<FitGradients> jet_targets();
 
 } // namespace paradesc

@@ -80,14 +80,10 @@ static Move turned(const Charts &charts, const std::vector<int32_t> &corners, dv
   Move move;
   move.cosine = turn.x;
   move.sine = turn.y;
-  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
-  for (const int32_t corner : corners) {
-    const dvec2 turned = move.turn(charts.corner_uv[corner]);
-    low = glm::min(low, turned);
-    high = glm::max(high, turned);
-  }
-  move.low = low;
-  move.size = high - low;
+  Bounds<dvec2> box;
+  for (const int32_t corner : corners) box.add(move.turn(charts.corner_uv[corner]));
+  move.low = box.low;
+  move.size = box.size();
   return move;
 }
 

@@ -4,32 +4,9 @@
 #include <limits>
 #include <queue>
 
+#include "mesh/cluster_tree.h"
+
 namespace paradesc {
-
-// Neighbors of each point along edges, as flat lists.
-struct EdgeLists {
-  std::vector<int32_t> begin, point;
-};
-
-static EdgeLists edge_lists(const HalfEdges &half_edges) {
-  EdgeLists lists;
-  lists.begin.assign(static_cast<size_t>(half_edges.point_count) + 1, 0);
-  auto each_end = [&](const auto &visit) {
-    for (int corner = 0; corner < static_cast<int>(half_edges.corner_point.size()); ++corner) {
-      const int32_t a = half_edges.corner_point[corner];
-      const int32_t b = half_edges.corner_point[next_corner(corner)];
-      if (a < 0) continue;
-      visit(a, b);
-      visit(b, a);
-    }
-  };
-  each_end([&](int32_t a, int32_t) { ++lists.begin[a + 1]; });
-  for (size_t i = 1; i < lists.begin.size(); ++i) lists.begin[i] += lists.begin[i - 1];
-  lists.point.resize(static_cast<size_t>(lists.begin.back()));
-  std::vector<int32_t> next(lists.begin.begin(), lists.begin.end() - 1);
-  each_end([&](int32_t a, int32_t b) { lists.point[next[a]++] = b; });
-  return lists;
-}
 
 std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts,
                                          double radius) {
@@ -43,14 +20,14 @@ std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfE
     distance[point] = 0.0;
     queue.emplace(0.0, point);
   }
-  const EdgeLists edges = edge_lists(half_edges);
+  const PointNeighbors neighbors = find_point_neighbors(half_edges);
   auto position = [&](int32_t point) { return dvec3(triangles.positions[half_edges.point_vertex[point]]); };
   while (!queue.empty()) {
     const auto [so_far, point] = queue.top();
     queue.pop();
     if (so_far > distance[point]) continue;
-    for (int32_t i = edges.begin[point]; i < edges.begin[point + 1]; ++i) {
-      const int32_t other = edges.point[i];
+    for (int32_t i = neighbors.begin[point]; i < neighbors.begin[point + 1]; ++i) {
+      const int32_t other = neighbors.neighbor[i];
       const double way = so_far + length(position(other) - position(point));
       if (way > radius || way >= distance[other]) continue;
       distance[other] = way;

@@ -13,8 +13,12 @@
 #include "mesh/jets.h"
 #include "support/error.h"
 #include "support/parallel.h"
+#include "support/targets.h"
 
 namespace paradesc {
+
+PARADESC_TARGETS(FitGradients, fit_gradients, jet_targets)
+
 namespace {
 
 constexpr int block_size = 1024;
@@ -221,7 +225,7 @@ private:
   Heights heights_;
   std::array<Member, fan_lanes> members_;
   int used_ = 0;
-  FitGradients fit_gradients_ = fit_gradients();
+  FitGradients fit_gradients_ = jet_targets()[0];
 };
 
 FanNormals max_normals(const Sources &from, int threads) {
@@ -278,24 +282,16 @@ std::vector<vec3> input_corner_normals(const Triangles &triangles, const HalfEdg
 
 // The mean, by angle, of the normals of the point's corners; the common normal if they all agree.
 vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, int point) {
-  const int first = half_edges.point_half_edge[point];
-  const vec3 first_normal = normals.corner(static_cast<size_t>(first));
-  dvec3 sum(0);
+  const vec3 first = normals.corner(static_cast<size_t>(half_edges.point_half_edge[point]));
   bool common = true;
-  for (int corner = first; corner >= 0;) {
-    const vec3 normal = normals.corner(static_cast<size_t>(corner));
-    common = common && normal == first_normal;
-    if (!common) break;
-    corner = half_edges.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
-  if (common) return first_normal;
-  for (int corner = first; corner >= 0;) {
+  for_each_corner_around(half_edges, point,
+                         [&](int32_t corner) { common = common && normals.corner(static_cast<size_t>(corner)) == first; });
+  if (common) return first;
+  dvec3 sum(0);
+  for_each_corner_around(half_edges, point, [&](int32_t corner) {
     sum += surface_angle(triangles, corner) * dvec3(normals.corner(static_cast<size_t>(corner)));
-    corner = half_edges.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
-  return vec3(unit_or(sum, dvec3(first_normal)));
+  });
+  return vec3(unit_or(sum, dvec3(first)));
 }
 
 } // namespace

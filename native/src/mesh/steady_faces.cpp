@@ -111,13 +111,8 @@ static void round_some(const Triangles &triangles, const HalfEdges &half_edges, 
 
 // The vector area of the faces around a point. It does not change when the point moves among its neighbors.
 static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges, int point) {
-  const int first = half_edges.point_half_edge[point];
   dvec3 area(0);
-  for (int corner = first; corner >= 0;) {
-    area += Face(triangles, corner / 3).product();
-    corner = half_edges.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
+  for_each_corner_around(half_edges, point, [&](int32_t corner) { area += Face(triangles, corner / 3).product(); });
   return area;
 }
 

@@ -126,11 +126,9 @@ void map_uvs_into_unit_square(Triangles &triangles) {
   triangles.corner_uv = triangles.input_uv;
   if (triangles.input_uv.empty()) return;
   checkpoint();
-  dvec2 lowest(triangles.input_uv[0]), highest = lowest;
-  for (const vec2 &uv : triangles.input_uv) {
-    lowest = glm::min(lowest, dvec2(uv));
-    highest = glm::max(highest, dvec2(uv));
-  }
+  Bounds<dvec2> bounds;
+  for (const vec2 &uv : triangles.input_uv) bounds.add(dvec2(uv));
+  const auto &[lowest, highest] = bounds;
   triangles.uv_remapped = lowest.x < 0 || lowest.y < 0 || highest.x > 1 || highest.y > 1;
   if (!triangles.uv_remapped) return;
   checkpoint();

@@ -44,16 +44,16 @@ std::vector<Run> measure_runs(const Triangles &triangles, const HalfEdges &half_
 
 struct Part {
   double volume = 0.0; // as a run's; 0 of an open part
-  Box box;
+  Bounds<dvec3> box;
 
-  double size() const { return (box.high.x - box.low.x) * (box.high.y - box.low.y) * (box.high.z - box.low.z); }
+  double size() const { return box.size().x * box.size().y * box.size().z; }
   bool contains(const Part &other) const {
     return glm::all(glm::lessThanEqual(box.low, other.box.low)) && glm::all(glm::greaterThanEqual(box.high, other.box.high));
   }
 };
 
 std::vector<Part> measure_parts(const Triangles &triangles, const HalfEdges &half_edges, const Box &box, int threads) {
-  std::vector<Part> parts(half_edges.components, {0.0, {box.high, box.low}});
+  std::vector<Part> parts(half_edges.components);
   std::vector<uint8_t> is_open(half_edges.components, 0);
   for (const Run &run : measure_runs(triangles, half_edges, 0.5 * (box.low + box.high), threads)) {
     parts[run.part].volume += run.volume;
@@ -68,10 +68,7 @@ void measure_boxes(const Triangles &triangles, const HalfEdges &half_edges, std:
   for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
     checkpoint_at(corner);
     const int32_t part = half_edges.triangle_piece[corner / 3];
-    if (part < 0) continue;
-    Box &box = parts[part].box;
-    box.low = glm::min(box.low, dvec3(triangles.position(corner)));
-    box.high = glm::max(box.high, dvec3(triangles.position(corner)));
+    if (part >= 0) parts[part].box.add(dvec3(triangles.position(corner)));
   }
 }
 

@@ -13,6 +13,11 @@ namespace paradesc {
 // progress(stage, fraction) returns false to cancel.
 using Progress = std::function<bool(const char *stage, double fraction)>;
 
+// The progress function of a caller of the C interface, which may have given none.
+inline Progress progress_of(pdesc_progress function, void *user) {
+  return [=](const char *stage, double fraction) { return !function || function(user, stage, fraction) != 0; };
+}
+
 // Throws Error(CANCELLED) if the caller cancels.
 inline void check_cancel(const Progress &progress, const char *stage, double fraction) {
   if (!progress(stage, fraction)) throw Error(PDESC_ERROR_CANCELLED, std::string("Cancelled in stage ") + stage + ".");

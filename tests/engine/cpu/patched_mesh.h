@@ -11,7 +11,6 @@
 #include "engine/cpu/patch_surface.h"
 #include "engine/cpu/point_clusters.h"
 #include "engine/cpu/point_patches.h"
-#include "mesh/extent.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
@@ -22,7 +21,7 @@ struct PatchedMesh {
   explicit PatchedMesh(Triangles from, int32_t kind_of_normals = PDESC_NORMALS_FITTED)
       : triangles(std::move(from)), half_edges(build_half_edges(triangles)),
         normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), kind_of_normals, 1)),
-        space(bake_space_of(measure_extent(triangles, half_edges, 1).box)), order(order_points(half_edges)) {}
+        space(bake_space_of(bounding_box(triangles, half_edges, 1))), order(order_points(half_edges)) {}
 
   std::vector<vec3> positions() const { // of points, in the units of the space
     std::vector<vec3> found;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "kernel/limits.h"
-#include "mesh/ball_flood.h"
 #include "support/creases.h"
 #include "support/solids.h"
 

@@ -8,6 +8,7 @@
 
 #include "engine/cpu/kinds.h"
 #include "engine/cpu/seen_samples.h"
+#include "support/targets.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
@@ -270,12 +271,11 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
                                            add_samples<WindowsKernel>,
                                            add_samples<WindowsGeodesicKernel>};
 
-#define TEXT_OF(name) #name
-#define TARGET_NAME(target) TEXT_OF(target)
-#define JOIN(a, b) a##b
-#define SUMS_OF(target) JOIN(sums_of_, target)
-extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), by_kind};
-
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels
+
+namespace paradesc {
+
+PARADESC_TARGET(SumTarget, sums_of) = {PARADESC_TARGET_NAME, kernels::by_kind};
+
+} // namespace paradesc

@@ -5,6 +5,7 @@
 
 #include "engine/cpu/refit_patch.h"
 #include "engine/cpu/rim_sums.h"
+#include "support/targets.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
@@ -373,13 +374,13 @@ void add(const PatchArrays &surface, const CenterLanes &centers, const NearPatch
   }
 }
 
-#define TEXT_OF(name) #name
-#define TARGET_NAME(target) TEXT_OF(target)
-#define JOIN(a, b) a##b
-#define BALL_SUMS_OF(target) JOIN(ball_sums_of_, target)
-extern const BallTarget BALL_SUMS_OF(KERNEL_TARGET);
-const BallTarget BALL_SUMS_OF(KERNEL_TARGET){
-    TARGET_NAME(KERNEL_TARGET), refit_spheres, refit, find, look, sphere, dips, list_by_center, add};
+constexpr BallTarget functions{PARADESC_TARGET_NAME, refit_spheres, refit, find, look, sphere, dips, list_by_center, add};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels
+
+namespace paradesc {
+
+PARADESC_TARGET(BallTarget, ball_sums_of) = kernels::functions;
+
+} // namespace paradesc

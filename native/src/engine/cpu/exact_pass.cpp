@@ -9,7 +9,6 @@
 
 #include "descriptor/registry.h"
 #include "engine/cpu/point_flood.h"
-#include "mesh/ball_flood.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -122,7 +121,7 @@ FloodStart GroupWork::start_of(const CenterPoint &center) const {
 
 void GroupWork::place_centers(std::span<const int32_t> group) {
   constexpr float nowhere = 1e15f;
-  vec3 low(nowhere), high(-nowhere);
+  Bounds<vec3> bounds;
   centers_.count = static_cast<int32_t>(group.size());
   pieces_.clear();
   for (size_t i = 0; i < group_lanes; ++i) {
@@ -136,11 +135,10 @@ void GroupWork::place_centers(std::span<const int32_t> group) {
     start_[i] = start_of(center);
     const int32_t piece = pass_.piece_of_triangle[center.triangle];
     if (std::ranges::find(pieces_, piece) == pieces_.end()) pieces_.push_back(piece);
-    low = glm::min(low, center.position);
-    high = glm::max(high, center.position);
+    bounds.add(center.position);
   }
-  for (int axis = 0; axis < 3; ++axis) centers_.middle[axis] = 0.5f * (low[axis] + high[axis]);
-  centers_.spread = 0.5f * length(high - low);
+  for (int axis = 0; axis < 3; ++axis) centers_.middle[axis] = 0.5f * (bounds.low[axis] + bounds.high[axis]);
+  centers_.spread = 0.5f * length(bounds.size());
   places_ = centers_;
   places_.radius = 0.0f;
 }

@@ -2,7 +2,6 @@
 #include "engine/cpu/groups.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -31,40 +30,24 @@ static std::vector<int32_t> in_order(std::span<const int32_t> ranks, const Cente
   return ordered;
 }
 
+static float half(const Bounds<vec3> &bounds) { return 0.5f * length(bounds.size()); }
+
 CenterGroups group_centers(std::span<const int32_t> rank, const CenterPoints &centers, float radius, int32_t most) {
   CenterGroups groups{in_order(rank, centers), {0}};
   const auto count = static_cast<int32_t>(groups.center.size());
-  vec3 low(std::numeric_limits<float>::max()), high(-low);
+  Bounds<vec3> joined;
   for (int32_t i = 0; i < count; ++i) {
     checkpoint_at(i);
-    const vec3 position = centers[groups.center[i]].position;
-    low = glm::min(low, position);
-    high = glm::max(high, position);
+    joined.add(centers[groups.center[i]].position);
     const int32_t begin = groups.begin.back();
-    if (i == begin || (i - begin < most && length(high - low) <= 2.0f * max_width * radius)) continue;
+    if (i == begin || (i - begin < most && half(joined) <= max_width * radius)) continue;
     groups.begin.push_back(i);
-    low = high = position;
+    joined = {};
+    joined.add(centers[groups.center[i]].position);
   }
   if (count > 0) groups.begin.push_back(count);
   return groups;
 }
-
-namespace {
-
-struct Extent {
-  vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
-  void add(vec3 position) {
-    low = glm::min(low, position);
-    high = glm::max(high, position);
-  }
-  void add(const Extent &other) {
-    low = glm::min(low, other.low);
-    high = glm::max(high, other.high);
-  }
-  float half() const { return 0.5f * length(high - low); }
-};
-
-} // namespace
 
 CenterGroups fit_groups(CenterGroups groups, const CenterPoints &centers, float radius) {
   constexpr float widest = 4.0f; // half of the diagonal over the radius, beyond which a group is divided
@@ -72,24 +55,24 @@ CenterGroups fit_groups(CenterGroups groups, const CenterPoints &centers, float 
   const auto begin_at = [&](int32_t i) {
     if (i > fitted.begin.back()) fitted.begin.push_back(i);
   };
-  Extent joined;
+  Bounds<vec3> joined;
   for (size_t g = 0; g + 1 < groups.begin.size(); ++g) {
     checkpoint_at(g);
     const int32_t first = groups.begin[g], last = groups.begin[g + 1];
-    Extent own, both = joined;
+    Bounds<vec3> own, both = joined;
     for (int32_t i = first; i < last; ++i) own.add(centers[fitted.center[i]].position);
     both.add(own);
-    if (last - fitted.begin.back() <= group_lanes && both.half() <= max_width * radius) {
+    if (last - fitted.begin.back() <= group_lanes && half(both) <= max_width * radius) {
       joined = both;
       continue;
     }
     begin_at(first);
     joined = own;
-    if (own.half() <= widest * radius) continue;
+    if (half(own) <= widest * radius) continue;
     joined = {};
     for (int32_t i = first; i < last; ++i) {
       joined.add(centers[fitted.center[i]].position);
-      if (joined.half() <= widest * radius) continue;
+      if (half(joined) <= widest * radius) continue;
       begin_at(i);
       joined = {};
       joined.add(centers[fitted.center[i]].position);

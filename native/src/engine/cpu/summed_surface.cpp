@@ -10,8 +10,12 @@
 #include "engine/cpu/point_clusters.h"
 #include "engine/memory.h"
 #include "support/parallel.h"
+#include "support/targets.h"
 
 namespace paradesc {
+
+PARADESC_TARGETS(SumTarget, sums_of, sum_targets)
+PARADESC_TARGETS(BallTarget, ball_sums_of, ball_targets)
 
 static constexpr int points_of_block = 4096;
 
@@ -75,16 +79,13 @@ static std::vector<vec3> facing_of(const PassInputs &of) {
     for (int point = begin; point < end; ++point) {
       vec3 sum(0.0f);
       float area = 0.0f;
-      const int32_t first = half_edges.point_half_edge[point];
-      for (int32_t corner = first; corner >= 0;) {
+      for_each_corner_around(half_edges, point, [&](int32_t corner) {
         const int32_t t = corner / 3;
         const vec3 a = of.surface.triangles.position(3 * t);
         const vec3 plane = cross(of.surface.triangles.position(3 * t + 1) - a, of.surface.triangles.position(3 * t + 2) - a);
         sum += plane;
         area += length(plane);
-        corner = half_edges.twin[previous_corner(corner)];
-        if (corner == first) break;
-      }
+      });
       facing[point] = area > 0.0f ? sum / area : vec3(0.0f);
     }
   });

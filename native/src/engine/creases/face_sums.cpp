@@ -6,6 +6,7 @@
 #include "engine/creases/lane_functions.h"
 #include "engine/kernels/lane_memory.h"
 #include "kernel/limits.h"
+#include "support/targets.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
@@ -309,12 +310,11 @@ FaceSums add_faces(const FaceRow *const *rows, int32_t count, int32_t own, const
 
 } // namespace
 
-#define PARADESC_STRING(name) #name
-#define PARADESC_TARGET_NAME(target) PARADESC_STRING(target)
-#define PARADESC_JOINED(a, b) a##b
-#define PARADESC_FACE_SUMS(target) PARADESC_JOINED(face_sums_of_, target)
-extern const FaceTarget PARADESC_FACE_SUMS(KERNEL_TARGET);
-const FaceTarget PARADESC_FACE_SUMS(KERNEL_TARGET) = {PARADESC_TARGET_NAME(KERNEL_TARGET), add_faces};
-
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels
+
+namespace paradesc {
+
+PARADESC_TARGET(FaceTarget, face_sums_of) = {PARADESC_TARGET_NAME, kernels::add_faces};
+
+} // namespace paradesc

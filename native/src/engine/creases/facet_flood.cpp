@@ -24,13 +24,10 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
   parts_.clear();
   own_facets_.clear();
   large_.clear();
-  if (point < 0) start(triangle);
-  const int32_t first = point < 0 ? -1 : half_edges_.point_half_edge[point];
-  for (int32_t corner = first; corner >= 0;) {
-    start(corner / 3);
-    corner = half_edges_.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
+  if (point < 0)
+    start(triangle);
+  else
+    for_each_corner_around(half_edges_, point, [&](int32_t corner) { start(corner / 3); });
   own_triangles_ = reached_;
   for (size_t triangles = 0, sides = 0; triangles < reached_ || sides < sides_.size();) {
     checkpoint_at(triangles + sides, 4096);

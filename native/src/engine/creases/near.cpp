@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "kernel/limits.h"
-#include "mesh/ball_flood.h"
 
 namespace paradesc {
 
@@ -31,15 +30,9 @@ NearCreases::NearCreases(const CreasedSurface &surface, double radius) : surface
 
 void NearCreases::fill(Grid &grid, const std::vector<int32_t> &edges, size_t begin, size_t end) {
   constexpr double above_0 = std::numeric_limits<double>::min(); // for surfaces that are a single point
-  grid.low = dvec3(std::numeric_limits<double>::max());
-  grid.high = -grid.low;
   for (size_t i = begin; i < end; ++i)
-    for (const int32_t corner : {edges[i], next_corner(edges[i])}) {
-      const dvec3 position(surface_.triangles.position(corner));
-      grid.low = glm::min(grid.low, position);
-      grid.high = glm::max(grid.high, position);
-    }
-  grid.cell = std::max({CREASE_REACH * radius_, glm::length(grid.high - grid.low) / most_cells, above_0});
+    for (const int32_t corner : {edges[i], next_corner(edges[i])}) grid.add(dvec3(surface_.triangles.position(corner)));
+  grid.cell = std::max({CREASE_REACH * radius_, glm::length(grid.size()) / most_cells, above_0});
   grid.begin = entries_.size();
   for (size_t i = begin; i < end; ++i) add_edge(grid, edges[i]);
   const auto first = entries_.begin() + static_cast<ptrdiff_t>(grid.begin);

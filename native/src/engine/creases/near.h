@@ -21,8 +21,7 @@ public:
 
 private:
   // The creases of one component, in the cells of their bounding box.
-  struct Grid {
-    dvec3 low{0}, high{0};
+  struct Grid : Bounds<dvec3> {
     double cell = 0;
     size_t begin = 0, end = 0; // range in entries_
     dvec3 cell_at(dvec3 position) const { return glm::floor((glm::clamp(position, low, high) - low) / cell); }

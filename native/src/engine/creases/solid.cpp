@@ -7,11 +7,13 @@
 #include <limits>
 
 #include "kernel/limits.h"
-#include "mesh/ball_flood.h"
 #include "mesh/steady_faces.h"
 #include "support/cancel.h"
+#include "support/targets.h"
 
 namespace paradesc {
+
+PARADESC_TARGETS(FaceTarget, face_sums_of, face_targets)
 
 namespace {
 
@@ -83,15 +85,12 @@ double SolidMeasure::nearest_reached() const {
 
 // Adds the bends of the edges that start from the point.
 void SolidMeasure::add_own_edges(Tensor &tensor) const {
-  const int32_t first = surface_.half_edges.point_half_edge[center_.point];
-  for (int32_t corner = first; corner >= 0;) {
+  for_each_corner_around(surface_.half_edges, center_.point, [&](int32_t corner) {
     const dvec3 edge = dvec3(surface_.triangles.position(next_corner(corner))) - center_.position;
     const double length = glm::length(edge);
     if (length > 0)
       tensor.add(shared_.rows.bend_at(corner), dvec2(-glm::dot(edge, center_.t2), glm::dot(edge, center_.t1)) / length);
-    corner = surface_.half_edges.twin[previous_corner(corner)];
-    if (corner == first) break;
-  }
+  });
 }
 
 // ---- Triangles

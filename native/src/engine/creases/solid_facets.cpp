@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "engine/creases/solid.h"
-#include "mesh/ball_flood.h"
 #include "support/angle.h"
 
 namespace paradesc {

@@ -313,12 +313,7 @@ private:
                settings.map_radius,
                settings.map_sigma};
     stack_.clear();
-    const int first = surface_.half_edges.point_half_edge[i];
-    for (int corner = first; corner >= 0;) {
-      enter(corner / 3);
-      corner = surface_.half_edges.twin[previous_corner(corner)];
-      if (corner == first) break;
-    }
+    for_each_corner_around(surface_.half_edges, point, [&](int32_t corner) { enter(corner / 3); });
   }
 
   void enter(int face) {
