@@ -17,6 +17,17 @@ def case(function):
     return function
 
 
+def skip_where_keyed_vertices_crash():
+    """Skips a test of keyed vertices in Blender 5.2, whose threads evaluate them and free one array of positions twice.
+
+    It crashes without the add-on, too: a sphere of 24 segments with two keys for each vertex, within a hundred frames.
+    """
+    if bpy.app.version >= (5, 2, 0):
+        import pytest
+
+        pytest.skip("Blender 5.2 itself crashes where vertices have keys")
+
+
 def keyed(owner, name, start, end, index=-1):
     """Animates a property, a custom one or one member of an array from the first frame to the last."""
     for frame, value in ((FIRST, start), (LAST, end)):
@@ -320,6 +331,7 @@ def shape_key_and_modifier(target):
 
 @case
 def moving_vertices(target):
+    skip_where_keyed_vertices_crash()
     for item in target.data.vertices:
         keyed(item, "co", item.co.z, item.co.z * (1.0 + 0.4 * max(item.co.z, 0.0)), 2)
     bend(target)

@@ -13,6 +13,7 @@ from shapes import ADDON
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
+from deforming import skip_where_keyed_vertices_crash  # noqa: E402
 from paradesc_blender.animation import live, sessions  # noqa: E402
 from paradesc_blender.scene import record  # noqa: E402
 from processes import run_blender  # noqa: E402
@@ -192,6 +193,7 @@ def expected_frames(target, folder):
 
 def move_vertices(target):
     """Animated vertices of the mesh itself."""
+    skip_where_keyed_vertices_crash()
     for item in target.data.vertices:
         place = item.co.copy()
         for frame, share in zip(FRAMES, (0.0, 0.4), strict=True):
